@@ -50,7 +50,7 @@ pub fn import(
     let file = sources.first().map_or("", |source| source.file.as_str());
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
     let mut notices = notices(sources, &mapping, robot);
-    let (mut poses, _memory) = cut(&mapping, recipe, (robot, budget), file, &mut notices)?;
+    let mut poses = cut(&mapping, recipe, (robot, budget), file, &mut notices)?;
     turn_angles(&mut poses, recipe, &mut notices);
     complete_commands(&mut poses, robot, &mut notices);
     drop_empty(&mut poses, &mut notices);
@@ -138,7 +138,7 @@ pub(crate) fn in_other_frame(sources: &[Source], recipe: &Recipe, robot: &Robot)
     let mapping = resolve(sources, recipe, "recipe", robot.cable_count()).ok()?;
     let notices = &mut Vec::new();
     let budget = MemoryBudget::new(FRAME_MEMORY);
-    let (mut poses, _memory) = cut(&mapping, recipe, (robot, &budget), "", notices).ok()?;
+    let mut poses = cut(&mapping, recipe, (robot, &budget), "", notices).ok()?;
     turn_angles(&mut poses, recipe, notices);
     complete_commands(&mut poses, robot, notices);
     drop_empty(&mut poses, notices);

@@ -68,11 +68,16 @@ impl<'a> Watch<'a> {
 pub(crate) struct Input<'a> {
     file: File,
     watch: &'a Watch<'a>,
+    budget: &'a MemoryBudget,
 }
 
 impl<'a> Input<'a> {
-    pub fn new(file: File, watch: &'a Watch<'a>) -> Self {
-        Self { file, watch }
+    pub fn new(file: File, watch: &'a Watch<'a>, budget: &'a MemoryBudget) -> Self {
+        Self {
+            file,
+            watch,
+            budget,
+        }
     }
 
     /// The file, for a reader that seeks in it and reports what it reads by [`Self::advance`].
@@ -80,9 +85,9 @@ impl<'a> Input<'a> {
         self.file.try_clone()
     }
 
-    /// The memory for what is read.
+    /// The memory for what the file decodes to.
     pub fn budget(&self) -> &'a MemoryBudget {
-        self.watch.budget
+        self.budget
     }
 
     /// Counts bytes that were read by other means.

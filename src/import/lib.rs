@@ -23,6 +23,7 @@ mod orientation;
 mod outline;
 mod proposal;
 mod recipe;
+mod robot_files;
 mod robots;
 mod source;
 mod sources;
@@ -39,7 +40,7 @@ pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
 pub use draft::{Draft, clock_times, uses};
-pub use formats::{HAS_MORE_FORMATS, is_robot_description, read_source};
+pub use formats::{HAS_MORE_FORMATS, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use memory::{MemoryBudget, OverBudget};
 pub use naming::pattern_of;
@@ -50,8 +51,9 @@ pub use recipe::{
     AngleOrder, Angles, Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe,
     Rest, Step, read_recipe,
 };
+pub use robot_files::{is_robot_description, read_robot_description};
 pub use robots::{
-    Dialect, ForeignRobot, Meaning, Parameter, Row, read_description_text, read_robot_description,
+    Dialect, ForeignRobot, Meaning, Parameter, PartPlaces, Row, read_description_text,
 };
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;

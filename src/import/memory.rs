@@ -1,19 +1,10 @@
-//! Memory for the content of foreign files. It is not bounded by their size: a megabyte can decode to gigabytes.
+//! Limit of memory for the content of foreign files. It is not bounded by their size: a megabyte can decode to gigabytes.
 
 use std::io::{Error, ErrorKind, Read, Result as IoResult};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bytes that are read at a time where the size of a content is not known before its end.
-const STEP: usize = 1 << 16;
-/// Bytes that a row takes besides its values until its poses are cut: its times, its range, and whether it is at rest.
-const ROW: u64 = 48;
-/// Bytes of a pose without its readings: its record here and in the document, and what its readings are compared with.
-const POSE: u64 = 1024;
-/// Bytes of a reading: with its deviation here and in the document, as a column of the checks, as text, and as a measurement.
-const READING: u64 = 256;
-
-/// Memory that an import may use; clones share it. Readers ask before they allocate.
+/// Memory that an import may use for decoded content; clones share it. What is there byte by byte in a file is not counted.
 #[derive(Debug, Clone)]
 pub struct MemoryBudget {
     used: Arc<AtomicU64>,
@@ -66,7 +57,15 @@ impl MemoryBudget {
         }
     }
 
-    /// Takes bytes for as long as the budget exists.
+    /// A budget of what is left, for content that is dropped again.
+    pub(crate) fn temporary(&self) -> Self {
+        Self {
+            used: Arc::new(self.used.load(Ordering::Relaxed).into()),
+            limit: self.limit,
+        }
+    }
+
+    /// Counts bytes before they are allocated.
     pub(crate) fn take(&self, bytes: u64) -> Result<(), OverBudget> {
         let fits = |used: u64| used.checked_add(bytes).filter(|used| *used <= self.limit);
         let taken = (self.used).fetch_update(Ordering::Relaxed, Ordering::Relaxed, fits);
@@ -75,19 +74,18 @@ impl MemoryBudget {
             .map_err(|_| OverBudget { limit: self.limit })
     }
 
-    /// A lease of nothing yet.
-    pub(crate) fn nothing(&self) -> Lease {
-        Lease {
-            budget: self.clone(),
-            bytes: 0,
-        }
+    /// Counts values of channels before they are allocated.
+    pub(crate) fn take_values(&self, count: usize) -> Result<(), OverBudget> {
+        self.take((size_of::<f64>() as u64).saturating_mul(count as u64))
     }
 
-    /// Takes bytes until the result is dropped.
-    pub(crate) fn lease(&self, bytes: u64) -> Result<Lease, OverBudget> {
-        let mut lease = self.nothing();
-        lease.take(bytes)?;
-        Ok(lease)
+    /// Reads all bytes of decoded content. Twice as many count, since a vector that grows has room for them.
+    pub(crate) fn read_to_end(&self, reader: impl Read) -> IoResult<Vec<u8>> {
+        let left = self.limit - self.used.load(Ordering::Relaxed);
+        let mut bytes = Vec::new();
+        reader.take(left / 2 + 1).read_to_end(&mut bytes)?;
+        self.take(2 * bytes.len() as u64)?;
+        Ok(bytes)
     }
 }
 
@@ -97,105 +95,34 @@ impl Default for MemoryBudget {
     }
 }
 
-/// Memory that is given back when this is dropped.
-#[derive(Debug)]
-pub(crate) struct Lease {
-    budget: MemoryBudget,
-    bytes: u64,
-}
-
-impl Lease {
-    /// Takes more bytes.
-    pub fn take(&mut self, bytes: u64) -> Result<(), OverBudget> {
-        self.budget.take(bytes)?;
-        self.bytes += bytes;
-        Ok(())
-    }
-
-    /// The budget that it is taken of.
-    pub fn budget(&self) -> &MemoryBudget {
-        &self.budget
-    }
-
-    /// A lease of the same budget, of nothing yet.
-    pub fn another(&self) -> Self {
-        self.budget.nothing()
-    }
-
-    /// Takes over what another lease of the same budget holds.
-    pub fn absorb(&mut self, mut other: Self) {
-        self.bytes += std::mem::take(&mut other.bytes);
-    }
-
-    /// Takes memory for `count` values of a type.
-    pub fn take_values<T>(&mut self, count: usize) -> Result<(), OverBudget> {
-        self.take((count as u64).saturating_mul(size_of::<T>() as u64))
-    }
-
-    /// Reads all bytes.
-    pub fn read_to_end(&mut self, mut reader: impl Read) -> IoResult<Vec<u8>> {
-        let mut bytes = Vec::new();
-        loop {
-            let held = bytes.capacity();
-            if held - bytes.len() < STEP {
-                // A vector grows to twice its size, and both are there while it is moved.
-                self.take(held.max(STEP) as u64)?;
-                bytes.reserve_exact(held.max(STEP));
-            }
-            let read = (&mut reader).take(STEP as u64).read_to_end(&mut bytes)?;
-            if read < STEP {
-                return Ok(bytes);
-            }
-        }
-    }
-}
-
-impl Drop for Lease {
-    fn drop(&mut self) {
-        self.budget.used.fetch_sub(self.bytes, Ordering::Relaxed);
-    }
-}
-
-/// Memory for poses with so many quantities until they are imported: their readings, the checks of them, and their table.
-pub(crate) fn of_poses(poses: usize, quantities: usize) -> u64 {
-    let of_pose = POSE.saturating_add(READING.saturating_mul(quantities as u64));
-    of_pose.saturating_mul(poses as u64)
-}
-
-/// Memory for the rows of a series until its poses are cut.
-pub(crate) fn of_rows(rows: usize) -> u64 {
-    ROW.saturating_mul(rows as u64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn what_was_leased_comes_back_and_what_was_taken_does_not() {
+    fn clones_share_what_was_taken_and_temporary_budgets_do_not() {
         let budget = MemoryBudget::new(3 << 20);
         let over = OverBudget { limit: 3 << 20 };
         budget.take(1 << 20).expect("a third");
-        let mut lease = budget.lease(1 << 20).expect("a third");
-        assert_eq!(lease.take((1 << 20) + 1), Err(over));
-        lease.take(1 << 20).expect("the rest");
-        assert_eq!(budget.clone().take(1), Err(over));
-        assert_eq!(budget.lease(u64::MAX).map(drop), Err(over));
-        drop(lease);
-        budget.take(2 << 20).expect("what was leased");
+        let temporary = budget.temporary();
+        assert_eq!(temporary.take((2 << 20) + 1), Err(over));
+        temporary.take(2 << 20).expect("the rest");
+        assert_eq!(temporary.clone().take(1), Err(over));
+        assert_eq!(budget.take(u64::MAX), Err(over));
+        assert_eq!(budget.take_values(usize::MAX), Err(over));
+        budget.clone().take(2 << 20).expect("the rest");
+        assert_eq!(budget.take(1), Err(over));
         assert!(over.to_string().starts_with("needs more than 3.0 MiB"));
     }
 
     #[test]
     fn endless_content_is_read_to_the_limit_only() {
         let budget = MemoryBudget::new(1 << 20);
-        let mut lease = budget.lease(0).expect("nothing");
-        let read = lease.read_to_end(std::io::repeat(7));
+        let read = budget.read_to_end(std::io::repeat(7));
         assert_eq!(read.expect_err("no end").kind(), ErrorKind::OutOfMemory);
-        drop(lease);
-        let mut lease = budget.lease(0).expect("nothing");
-        let whole = lease.read_to_end(std::io::repeat(7).take(300_000));
+        let whole = budget.read_to_end(std::io::repeat(7).take(300_000));
         assert_eq!(whole.expect("it fits"), vec![7; 300_000]);
-        assert!(lease.bytes >= 300_000);
+        let more = budget.read_to_end(std::io::repeat(7).take(300_000));
+        assert_eq!(more.expect_err("too much").kind(), ErrorKind::OutOfMemory);
     }
 }

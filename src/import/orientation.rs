@@ -102,10 +102,13 @@ fn turned(source: &Source, matrices: &[Matrix], cables: usize) -> Vec<bool> {
     let per_cable = |matrix: &&Matrix| {
         matrix.rows == cables && is_wide(matrix) && (is_sampled(matrix) || !contradicts(matrix))
     };
+    // Columns of one matrix are rows of another one that has a column per cable.
+    let is_tall = |matrix: &&Matrix| matrix.columns.len() == cables && matrix.rows > cables;
     let samples: BTreeSet<usize> = matrices
         .iter()
         .filter(per_cable)
         .map(|matrix| matrix.columns.len())
+        .chain(matrices.iter().filter(is_tall).map(|matrix| matrix.rows))
         .chain(vectors.iter().copied())
         .collect();
     let is_turned = |matrix: &Matrix| {

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::memory::{Lease, MemoryBudget, OverBudget, of_rows};
 use crate::values::Values;
 
 /// Recognised file formats.
@@ -84,25 +83,6 @@ pub struct Source {
     pub notices: Vec<String>,
 }
 
-impl Source {
-    /// Memory that it takes until its poses are cut (bytes).
-    pub(crate) fn memory(&self) -> u64 {
-        let of_text = |text: &TextChannel| {
-            let texts = text.distinct.iter().map(String::capacity).sum::<usize>();
-            texts + size_of_val(&text.codes[..]) + size_of_val(&text.distinct[..])
-        };
-        let of_series = |series: &Series| {
-            let numbers = series
-                .channels
-                .iter()
-                .map(|channel| channel.values.memory());
-            let texts = series.texts.iter().map(of_text);
-            of_rows(series.rows) + numbers.chain(texts).sum::<usize>() as u64
-        };
-        self.series.iter().map(of_series).sum()
-    }
-}
-
 /// Channels that were sampled together.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Series {
@@ -141,6 +121,29 @@ pub struct TextChannel {
 }
 
 impl Series {
+    /// Memory until its poses are cut. A row takes as much as six values more: its times, its range, and whether it is at rest.
+    pub(crate) fn bytes(&self) -> u64 {
+        let values = 6 + self.channels.len() + self.texts.len();
+        self.rows.saturating_mul(size_of::<f64>() * values) as u64
+    }
+
+    /// Adds a column; the error states why texts are not kept.
+    pub(crate) fn add(
+        &mut self,
+        name: String,
+        unit: Option<String>,
+        column: Filling,
+    ) -> Result<(), String> {
+        match column {
+            Filling::Numbers(values) => {
+                let values = values.into();
+                self.channels.push(Channel { name, unit, values });
+            }
+            Filling::Texts(texts) => self.texts.push(texts.finish(&name)?),
+        }
+        Ok(())
+    }
+
     /// The channel of this name.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Channel> {
@@ -166,52 +169,26 @@ impl TextChannel {
 /// Maximum number of distinct texts in a column: names of points and states have few.
 const MAX_DISTINCT: usize = 100_000;
 
+/// A column that is being filled.
+pub(crate) enum Filling {
+    Numbers(Vec<f64>),
+    Texts(FillingTexts),
+}
+
 /// A column of text that is being filled.
 #[derive(Default)]
 pub(crate) struct FillingTexts {
     codes: Vec<u32>,
     distinct: Vec<String>,
     known: HashMap<String, u32>,
-    /// `None` for files whose texts are not larger than they are themselves.
-    lease: Option<Lease>,
-    over: Option<OverBudget>,
 }
 
 impl FillingTexts {
-    /// A column whose memory is taken of a budget.
-    pub fn within(budget: &MemoryBudget) -> Self {
-        let lease = budget.lease(0);
-        Self {
-            over: lease.as_ref().err().copied(),
-            lease: lease.ok(),
-            ..Self::default()
-        }
-    }
-
-    /// Takes memory for a row, and for its text if that is new; without memory the column is given up.
-    fn takes(&mut self, text: Option<&str>) -> bool {
-        const DISTINCT: usize = 2 * size_of::<String>() + 16;
-        let Some(lease) = &mut self.lease else {
-            return self.over.is_none();
-        };
-        let new = text.map_or(0, |text| 2 * text.len() + DISTINCT);
-        let taken = lease.take((size_of::<u32>() + new) as u64);
-        if let Err(over) = taken {
-            *self = Self {
-                over: Some(over),
-                ..Self::default()
-            };
-        }
-        taken.is_ok()
-    }
-
     /// Adds the text of a row.
     pub fn push(&mut self, cell: &str) {
         if let Some(code) = self.known.get(cell).copied() {
-            if self.takes(None) {
-                self.codes.push(code);
-            }
-        } else if self.distinct.len() <= MAX_DISTINCT && self.takes(Some(cell)) {
+            self.codes.push(code);
+        } else if self.distinct.len() <= MAX_DISTINCT {
             let code = self.distinct.len() as u32;
             self.distinct.push(cell.into());
             self.known.insert(cell.into(), code);
@@ -221,9 +198,6 @@ impl FillingTexts {
 
     /// The column; the error states why it is not kept.
     pub fn finish(self, name: &str) -> Result<TextChannel, String> {
-        if let Some(over) = self.over {
-            return Err(format!("{over}, not kept"));
-        }
         if self.distinct.len() > MAX_DISTINCT {
             return Err(format!(
                 "text with more than {MAX_DISTINCT} distinct values, not kept"

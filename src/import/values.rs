@@ -1,16 +1,9 @@
-//! Values of a channel, in memory; while they are read they take their memory of a budget.
+//! Values of a channel.
 
-use std::io::Result;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::memory::{Lease, MemoryBudget};
 use crate::source::Channel;
-
-/// Number of values for which memory is taken at a time.
-const STEP: usize = 8 << 10;
-/// Bytes of a value while a channel is filled: a vector has room for up to twice as many.
-const FILLING: u64 = 2 * size_of::<f64>() as u64;
 
 /// The values of a channel; NaN for missing ones. Clones share them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,11 +14,6 @@ impl Values {
     #[must_use]
     pub fn len(&self) -> usize {
         self.0.len()
-    }
-
-    /// Memory that they take (bytes).
-    pub(crate) fn memory(&self) -> usize {
-        size_of_val(&*self.0)
     }
 
     /// Whether there are none.
@@ -70,83 +58,10 @@ impl FromIterator<f64> for Values {
     }
 }
 
-/// Takes the memory of the channels of one source while they are filled.
-pub(crate) struct Storage {
-    memory: Lease,
-    /// Values for which memory was taken and that are not there yet.
-    room: usize,
-}
-
-/// A channel that is being filled.
-#[derive(Default)]
-pub(crate) struct Filling(Vec<f64>);
-
-impl Storage {
-    /// Takes memory of a budget.
-    pub fn within(budget: &MemoryBudget) -> Self {
-        Self {
-            memory: budget.nothing(),
-            room: 0,
-        }
-    }
-
-    /// Adds a value to a channel.
-    ///
-    /// # Errors
-    /// If it needs more memory than there is.
-    pub fn push(&mut self, channel: &mut Filling, value: f64) -> Result<()> {
-        if self.room == 0 {
-            self.memory.take(FILLING * STEP as u64)?;
-            self.room = STEP;
-        }
-        self.room -= 1;
-        channel.0.push(value);
-        Ok(())
-    }
-}
-
-impl Filling {
-    /// Number of its values.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// The values of a completed channel.
-    pub fn finish(self) -> Values {
-        self.0.into()
-    }
-}
-
-/// Numeric channels that are filled row by row.
-pub(crate) struct Table {
-    storage: Storage,
-    columns: Vec<Filling>,
-}
-
-impl Table {
-    pub fn new(columns: usize, budget: &MemoryBudget) -> Self {
-        Self {
-            storage: Storage::within(budget),
-            columns: (0..columns).map(|_| Filling::default()).collect(),
-        }
-    }
-
-    /// Adds a row.
-    ///
-    /// # Errors
-    /// If it needs more memory than there is.
-    pub fn push(&mut self, row: &[f64]) -> Result<()> {
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            self.storage.push(column, *value)?;
-        }
-        Ok(())
-    }
-
-    /// Gives the channels their values.
-    pub fn finish(self, channels: &mut [Channel]) {
-        for (channel, column) in channels.iter_mut().zip(self.columns) {
-            channel.values = column.finish();
-        }
+/// Gives channels their values.
+pub(crate) fn fill(channels: &mut [Channel], columns: Vec<Vec<f64>>) {
+    for (channel, column) in channels.iter_mut().zip(columns) {
+        channel.values = column.into();
     }
 }
 
@@ -156,13 +71,13 @@ mod tests {
 
     #[test]
     fn values_are_those_that_were_pushed() {
-        let mut table = Table::new(2, &MemoryBudget::default());
-        let rows = 3 * STEP + 7;
-        for row in 0..rows {
-            table.push(&[row as f64, f64::NAN]).expect("memory");
-        }
+        let rows = 30_007;
+        let columns = vec![
+            (0..rows).map(|row| row as f64).collect(),
+            vec![f64::NAN; rows],
+        ];
         let mut channels = [Channel::default(), Channel::default()];
-        table.finish(&mut channels);
+        fill(&mut channels, columns);
         let [numbers, gaps] = channels.map(|channel| channel.values);
         assert!(numbers.iter().eq((0..rows).map(|row| row as f64)));
         assert!(gaps.iter().all(f64::is_nan) && gaps.len() == rows);
@@ -170,15 +85,5 @@ mod tests {
         assert_eq!(numbers.range(rows - 2..rows + 5).count(), 2);
         assert_eq!(numbers.range(rows + 1..rows + 5).count(), 0);
         assert!(numbers.get(rows).is_none() && numbers.at(rows).is_nan());
-    }
-
-    #[test]
-    fn memory_is_asked_for_and_given_back() {
-        let budget = MemoryBudget::new(FILLING * 2 * STEP as u64);
-        let mut table = Table::new(1, &budget);
-        let fitting = (0..4 * STEP).take_while(|_| table.push(&[1.0]).is_ok());
-        assert_eq!(fitting.count(), 2 * STEP);
-        drop(table);
-        assert!(budget.take(FILLING * 2 * STEP as u64).is_ok());
     }
 }

@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 use std::fmt::Write;
 
+use tautline_core::robot::Robot;
 use tautline_session::csv_row;
 
 use crate::adjusting::Difference;
-use crate::parameters::ParameterInfo;
+use crate::parameters::{ParameterInfo, parameters_and_home_lengths};
 
 /// The table `name,unit,controller,identified,difference,sd`; unknown values are empty cells.
 #[must_use]
@@ -26,9 +27,15 @@ pub fn differences_csv(differences: &[Difference]) -> String {
     text
 }
 
-/// A block of constants in Structured Text (IEC 61131-3), in TwinCAT's syntax; `title` is in its first comment.
+/// The parameters of an identified model and its lengths at home, as constants in Structured Text.
 #[must_use]
-pub fn structured_text(title: &str, parameters: &[ParameterInfo]) -> String {
+pub fn identified_constants(model: &Robot) -> String {
+    let title = format!("Identified parameters of {}", model.name);
+    structured_text(&title, &parameters_and_home_lengths(model))
+}
+
+/// A block of constants in Structured Text (IEC 61131-3), in TwinCAT's syntax; `title` is in its first comment.
+fn structured_text(title: &str, parameters: &[ParameterInfo]) -> String {
     let mut text = format!("(* {} *)\nVAR_GLOBAL CONSTANT\n", comment(title));
     let mut used = HashSet::new();
     for parameter in parameters {

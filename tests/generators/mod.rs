@@ -1,5 +1,6 @@
 //! Writes what the repository keeps and a test compares: sample sessions, pictures, pages with the output of commands.
 
+pub mod gallery;
 pub mod hypotheses;
 pub mod random_runs;
 pub mod screenshots;

@@ -1,4 +1,4 @@
-//! The worked examples of docs/YOUR-DATA.md: their files, and what the commands print.
+//! The worked examples of docs/YOUR-DATA.md and docs/MY-ROBOT.md: their files, and what the commands print.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,13 @@ use anyhow::{Context, Result};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::{Grid, Measurements};
-use tautline_core::robot::presets;
+use tautline_core::robot::{CableMaterial, Robot, presets};
 use tautline_core::simulation::{SimulationOptions, simulate};
+
+use tautline_workflow::templates::Template;
 
 use crate::support::console_page;
 
@@ -21,10 +24,18 @@ const RATE_HZ: f64 = 25.0;
 const RESTING: usize = 30;
 const MOVING: usize = 10;
 
-/// The page.
+/// The pages.
 #[must_use]
-pub fn page() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/YOUR-DATA.md")
+pub fn pages() -> [PathBuf; 2] {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    ["YOUR-DATA.md", "MY-ROBOT.md"].map(|name| docs.join(name))
+}
+
+/// The folder of the example files.
+#[must_use]
+pub fn folder() -> PathBuf {
+    let [page, _] = pages();
+    page.with_file_name(FOLDER)
 }
 
 /// Name and content of each example file.
@@ -45,7 +56,63 @@ pub fn files() -> Result<Vec<(&'static str, String)>> {
         ("points.txt", points(&run(20, 7)?)),
         ("log.csv", log(&run(24, 8)?)),
         ("capture.csv", capture(&run(24, 8)?, 8)?),
+        ("pulleys.csv", pulleys(&own_robot())),
+        ("winches.csv", winches(&own_robot(), 9)?),
     ])
+}
+
+/// A robot of thin wire ropes in a hall, of which a sheet exists.
+fn own_robot() -> Robot {
+    let mut robot = Template::Spatial.robot([6.0, 4.0, 3.0]);
+    for cable in &mut robot.cables {
+        cable.pulley.radius_m = 0.0;
+        cable.cable = CableMaterial::default();
+        cable.winch.drum_diameter_m = 0.16;
+        cable.winch.drum_pitch_m = 0.0;
+        cable.winch.length_to_pulley_m = 0.0;
+        cable.winch.gear_ratio = 4.0;
+    }
+    robot
+}
+
+/// A sheet with the places of pulleys and platform anchors (mm).
+fn pulleys(robot: &Robot) -> String {
+    let mut text = "Cable,Pulley x [mm],Pulley y [mm],Pulley z [mm],Platform x [mm],Platform y [mm],Platform z [mm],Drum diameter [mm],Gear ratio\n".to_owned();
+    for (index, cable) in robot.cables.iter().enumerate() {
+        let _ = write!(text, "cable-{}", index + 1);
+        let places = [cable.pulley.entry_point_m, cable.platform_anchor_m];
+        for coordinate in places.concat() {
+            let _ = write!(text, ",{:.0}", 1e3 * coordinate);
+        }
+        let drum_mm = 1e3 * cable.winch.drum_diameter_m;
+        let _ = writeln!(text, ",{drum_mm:.0},{}", cable.winch.gear_ratio);
+    }
+    text
+}
+
+/// A log of the revolutions at commanded poses (mm, quaternions); the fifth drum winds 0.6 % more than drawn.
+fn winches(robot: &Robot, seed: u64) -> Result<String> {
+    let hidden = EffectSetting {
+        effect: "winch_scale".to_owned(),
+        targets: vec![robot.cables[4].name.clone()],
+        parameters: [("scale".to_owned(), 0.006)].into(),
+    };
+    let options = SimulationOptions {
+        effects: vec![hidden],
+        ..SimulationOptions::new(40, seed)
+    };
+    let data = simulate(robot, &options)?.dataset.measurements;
+    let mut text = "pose".to_owned();
+    per_cable(&mut text, ",winch # [rev]");
+    text.push_str(",x [mm],y [mm],z [mm],qw,qx,qy,qz\n");
+    for row in 0..data.len() {
+        let mut line = data.labels[row].to_string();
+        cells(&mut line, ",", &data.revolutions, row, 1.0, 5);
+        commanded(&mut line, ",", &data, row, 1e3);
+        text.push_str(&line);
+        text.push('\n');
+    }
+    Ok(text)
 }
 
 /// Excel in German: semicolons, decimal commas, degrees and millimetres.
@@ -260,17 +327,18 @@ pub fn with_outputs(page: &str) -> Result<String> {
     console_page::with_outputs(page, &files)
 }
 
-/// Writes the example files, and the outputs into the page.
+/// Writes the example files, and the outputs into the pages.
 ///
 /// # Errors
 /// If a command fails or a file cannot be written.
 pub fn write() -> Result<()> {
-    let page = page();
-    let folder = page.with_file_name(FOLDER);
-    std::fs::create_dir_all(&folder)?;
+    std::fs::create_dir_all(folder())?;
     for (name, content) in files()? {
-        tautline_session::write_text(&folder.join(name), &content)?;
+        tautline_session::write_text(&folder().join(name), &content)?;
     }
-    let text = with_outputs(&std::fs::read_to_string(&page)?)?;
-    Ok(tautline_session::write_text(&page, &text)?)
+    for page in pages() {
+        let text = with_outputs(&std::fs::read_to_string(&page)?)?;
+        tautline_session::write_text(&page, &text)?;
+    }
+    Ok(())
 }

@@ -1,42 +1,61 @@
 //! `tautline export --for`: a model as a text of another program.
 
 use anyhow::Result;
-use tautline_core::estimation::Control;
 use tautline_import::{Dialect, read_description_text};
+use tautline_link::export::identified_constants;
 use tautline_workflow::exporting::dialect_text;
-use tautline_workflow::identification::identify_session;
+use tautline_workflow::identification::FitVerdict;
 
 use super::{Arguments, identified};
-use crate::output::{confirm, say, write_file};
+use crate::output::{confirm, note, say, write_file};
 use crate::{BadInput, input, table};
 
+/// Name of the constants of a controller.
+const STRUCTURED_TEXT: &str = "structured-text";
+
 /// Names of the dialects.
-pub fn names() -> [&'static str; Dialect::ALL.len()] {
-    Dialect::ALL.map(|dialect| dialect.name)
+pub fn names() -> Vec<&'static str> {
+    let dialects = Dialect::ALL.iter().map(|dialect| dialect.name);
+    dialects.chain([STRUCTURED_TEXT]).collect()
 }
 
 pub fn run(arguments: &Arguments, name: &str) -> Result<()> {
     let dialect = Dialect::ALL
         .into_iter()
         .find(|dialect| dialect.name == name);
-    let dialect = dialect.ok_or_else(|| BadInput::new(format!("--for: found no {name}")))?;
     let onto = arguments.onto.as_deref();
+    if let (Some(onto), None) = (onto, dialect) {
+        let message = format!(
+            "--onto: found {}, expected none, as constants are written anew",
+            onto.display()
+        );
+        return Err(BadInput::new(message));
+    }
     let text = onto.map(read_description_text).transpose()?;
     let file = onto.map(|path| path.display().to_string());
     let mut session = input::session(&arguments.dataset)?;
     arguments.hypotheses.add_to(&mut session.robot)?;
-    let fit = match (
-        session.measurements.is_empty(),
-        arguments.effects.is_empty(),
-    ) {
-        (true, _) => None,
-        (false, false) => Some(identified(arguments, &session.dataset())?),
-        (false, true) => {
-            let fit = identify_session(&session, &mut |_| Control::Continue);
-            Some(fit.map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?)
-        }
+    let settings = &session.settings.identification;
+    let fit = match session.measurements.is_empty() {
+        true => None,
+        false => Some(identified(arguments, &session.dataset(), settings)?),
     };
     let model = fit.as_ref().map_or(&session.robot, |fit| &fit.model);
+    let Some(dialect) = dialect else {
+        if let Some(fit) = &fit {
+            let verdict = FitVerdict::of(fit.solution.p_value());
+            note!("{}: {}", session.name, verdict.words());
+        }
+        let text = identified_constants(model);
+        match &arguments.out {
+            Some(out) => {
+                write_file(out, text.as_bytes())?;
+                confirm!("{}: the constants of {} written", out.display(), model.name);
+            }
+            None => say!("{}", text.trim_end()),
+        }
+        return Ok(());
+    };
     let onto = file.as_deref().zip(text.as_deref());
     let written = dialect_text(model, fit.as_ref(), dialect, onto).map_err(BadInput::new)?;
     let mut lines = table::texts(&["Value", "unit", "old", "new", "sd", "reason"]);

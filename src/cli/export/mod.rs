@@ -7,18 +7,19 @@ use std::path::PathBuf;
 use anyhow::{Result, anyhow};
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
-use tautline_core::estimation::{Control, Method};
+use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
+use tautline_session::IdentificationSettings;
 use tautline_workflow::exporting::{Table, TableFormat, encode, poses_table};
 use tautline_workflow::identification::{
-    Identification, IdentificationRequest, identify, readings_table, values_table,
+    Identification, IdentificationRequest, identify, readings_table, solved_method, values_table,
 };
 
 use crate::BadInput;
 use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
-use crate::input;
+use crate::input::{self, Measured};
 use crate::output::{confirm, is_standard, write_file};
 use crate::replace::OutputFile;
 
@@ -30,14 +31,15 @@ use crate::replace::OutputFile;
     ("A model as a new file of another program", "tautline export model.json --for klipper -o printer.cfg"),
 ]))]
 pub struct Arguments {
-    /// Dataset folder; with --for also a session or a model file
-    #[arg(value_name = "DATASET")]
+    /// Session file or dataset folder, with --for also a model file; - is a session on standard input
+    #[arg(value_name = "SESSION|DATASET")]
     dataset: PathBuf,
     /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table; - is CSV on standard output.
     /// With --for the text of the other program; without it, only the lines that change are printed
     #[arg(short, long, value_name = "FILE", required_unless_present = "dialect")]
     out: Option<OutputFile>,
-    /// Write the identified robot, or the model, as the firmware or simulator describes robots; what it cannot express is said
+    /// Write the identified robot, or the model, as the firmware or simulator describes robots, or as constants in Structured Text; what
+    /// it cannot express is said
     #[arg(long = "for", id = "dialect", value_name = "DIALECT", value_parser = PossibleValuesParser::new(dialect::names()), conflicts_with = "table")]
     dialect: Option<String>,
     /// Your file in that dialect, which is not changed: the text that is written has its comments, order and other values
@@ -90,9 +92,13 @@ fn tables(arguments: &Arguments, file: &OutputFile) -> Result<()> {
     let folder = &arguments.dataset;
     let is_identified = contents.iter().any(|content| *content != Content::Poses);
     let (dataset, fit) = if is_identified {
-        let mut dataset = input::identifiable_dataset(folder)?;
+        let Measured {
+            mut dataset,
+            identification,
+            ..
+        } = input::identifiable(folder)?;
         arguments.hypotheses.add_to(&mut dataset.robot)?;
-        let fit = identified(arguments, &dataset)?;
+        let fit = identified(arguments, &dataset, &identification)?;
         (dataset, Some(fit))
     } else {
         (input::dataset(folder)?, None)
@@ -116,10 +122,15 @@ fn tables(arguments: &Arguments, file: &OutputFile) -> Result<()> {
     Ok(())
 }
 
-fn identified(arguments: &Arguments, dataset: &Dataset) -> Result<Identification> {
-    let effects = &arguments.effects;
-    let effects = effects.settings(&dataset.robot, Some(&dataset.measurements))?;
-    let request = IdentificationRequest::new(dataset.clone(), Method::Joint, &effects);
+/// Identifies with the effects of the arguments, or else with those of a session.
+fn identified(
+    arguments: &Arguments,
+    dataset: &Dataset,
+    of_session: &IdentificationSettings,
+) -> Result<Identification> {
+    let effects = arguments.effects.settings(dataset, of_session)?;
+    let method = solved_method(of_session.method);
+    let request = IdentificationRequest::new(dataset.clone(), method, &effects);
     let request = request.map_err(BadInput::new)?;
     let fit = identify(&request, &mut |_| Control::Continue).map_err(BadInput::new)?;
     fit.refuse_extrapolation().map_err(BadInput::new)

@@ -1,7 +1,5 @@
 //! `tautline import`.
 
-#[cfg(test)]
-mod gallery;
 mod report;
 
 use std::cell::RefCell;
@@ -21,7 +19,7 @@ use tautline_session::{
 
 use crate::examples::examples;
 use crate::input::{self, noticed};
-use crate::output::{JsonOutput, confirm, note, write_json, write_model};
+use crate::output::{JsonOutput, confirm, is_standard, note, write_json, write_model};
 use crate::progress::ProgressLine;
 use crate::replace::{OutputFile, permit};
 use crate::{BadInput, standard_input};
@@ -37,6 +35,7 @@ const POSES: &str = "poses.csv";
     ("A log and a recording of cameras, to a dataset", "tautline import log.csv capture.csv --robot robot.json -o cell"),
     ("With the mistakes corrected that the check reports", "tautline import log.csv --robot mini -o cell --apply-suggestions"),
     ("The robot of a Hangprinter's firmware", "tautline import config.g -o robot.json"),
+    ("The robot whose pulleys a sheet lists, to a folder", "tautline import pulleys.xlsx -o cell"),
 ]))]
 pub struct Arguments {
     #[arg(value_name = "SOURCE", required = true, help = sources_help())]
@@ -44,7 +43,7 @@ pub struct Arguments {
     /// Recipe that assigns channels to quantities; - is standard input; without it, one is proposed from names, units and ranges
     #[arg(long, value_name = "FILE")]
     recipe: Option<PathBuf>,
-    /// Assigns a channel to a column of poses.csv, as in "rev_{i}=theta(:,{i}) [rad]"; the rest is proposed, or the recipe's
+    /// Assigns a channel to a column of poses.csv, as in "rev_{i}=theta(:,{i}) [rad]", or "length_{i}_m=belt_{tl,tr,br,bl} [mm]" for channels with names; the rest is proposed, or the recipe's
     #[arg(long, value_name = "COLUMN=CHANNEL [UNIT]")]
     set: Vec<String>,
     /// Axes of the angles of commanded and measured poses: R = R1 R2 R3, each about an axis of the turned frame, as in zyx
@@ -93,8 +92,8 @@ fn sources_help() -> String {
     };
     format!(
         "Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .npy, .npz, .parquet, .lvm, .tdms, \
-         .mf4, .xlsx, .ods{more}; or a robot description: config.g of a Hangprinter, printer.cfg of Klipper with winches, maslow.yaml, MJCF of MuJoCo, cables and \
-         bodies of CASPR, a model of WireX{left_out}"
+         .mf4, .xlsx, .ods{more}; or a robot description: config.g of a Hangprinter, printer.cfg of Klipper with winches, maslow.yaml, MJCF of MuJoCo, URDF, SDF, yaml of cdpr, cables and \
+         bodies of CASPR, a model of WireX, a table of the places of the pulleys{left_out}"
     )
 }
 
@@ -211,7 +210,9 @@ fn robot_description(arguments: &Arguments) -> Result<()> {
             "--out: not given, expected the robot.json to write",
         ));
     };
-    let out = if out.is_dir() {
+    let is_folder = out.is_dir() || out.extension().is_none() && !is_standard(out);
+    let out = if is_folder {
+        create_folder(out)?;
         out.join(ROBOT)
     } else {
         out.to_path_buf()
@@ -275,10 +276,11 @@ fn recipe(
     robot: &Robot,
 ) -> Result<(Recipe, String, Option<Vec<String>>)> {
     let set = arguments.set.iter();
-    let set = set.map(|text| Assignment::parse(text, sources));
-    let set: Vec<Assignment> = set
+    let set = set.map(|text| Assignment::parse_each(text, sources));
+    let set: Vec<Vec<Assignment>> = set
         .collect::<Result<_, String>>()
         .map_err(|message| BadInput::new(format!("--set: {message}")))?;
+    let set = set.concat();
     match &arguments.recipe {
         Some(path) => {
             let mut recipe = noticed(standard_input::versioned::<Recipe>(path)?);
@@ -292,10 +294,14 @@ fn recipe(
     }
 }
 
-fn write(folder: &Path, robot: &RobotToUse, poses_csv: &str, recipe: &Recipe) -> Result<()> {
+fn create_folder(folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder).map_err(|error| {
         BadInput::new(format!("{}: cannot be created ({error})", folder.display()))
-    })?;
+    })
+}
+
+fn write(folder: &Path, robot: &RobotToUse, poses_csv: &str, recipe: &Recipe) -> Result<()> {
+    create_folder(folder)?;
     if !robot.is_in_folder {
         write_robot(&folder.join(ROBOT), &robot.robot)?;
     }

@@ -11,7 +11,7 @@ use tautline_core::measurement::{SampledChannel, follows_a_motion};
 use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, quoted};
 
-use crate::memory::{Lease, MemoryBudget, of_poses};
+use crate::memory::MemoryBudget;
 use crate::recipe::{Cutting, Kind, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
 use crate::source::{Series, Source};
 pub(crate) use clock::Times;
@@ -23,6 +23,8 @@ const MOST_IMPORTED_SAMPLES: usize = 60_000;
 const RECORDING: usize = 100;
 /// Minimum number of standstills of a recording of poses at rest: any recording may begin and end with one.
 const FEWEST_RESTS: usize = 3;
+/// Bytes of a reading of a pose: with its deviation here and in the document, as a column of the checks, as text, and as a measurement.
+const READING: u64 = 256;
 
 /// A pose with its mean readings.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +120,7 @@ pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
         .unwrap_or(0)
 }
 
-/// Cuts sources into poses, with the memory for them.
+/// Cuts sources into poses.
 ///
 /// # Errors
 /// If series cannot be matched, no pose is found, or there are more than the budget has memory for.
@@ -128,7 +130,7 @@ pub(crate) fn cut(
     (robot, budget): (&Robot, &MemoryBudget),
     file: &str,
     notices: &mut Vec<String>,
-) -> Result<(Vec<CutPose>, Lease), ReadError> {
+) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
         let message = "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
         return Err(ReadError::new(file, Place::File, message));
@@ -175,14 +177,12 @@ pub(crate) fn cut(
             found
         }
     };
-    let memory = budget.lease(of_poses(ranges.len(), mapping.quantities.len()));
-    let memory = memory.map_err(|over| {
-        let count = ranges.len();
-        ReadError::new(
-            file,
-            Place::File,
-            format!("a table of {count} poses {over}"),
-        )
+    // A pose without readings takes as much as four readings.
+    let readings = ranges.len().saturating_mul(4 + mapping.quantities.len());
+    let taken = budget.temporary().take(READING * readings as u64);
+    taken.map_err(|over| {
+        let message = format!("a table of {} poses {over}", ranges.len());
+        ReadError::new(file, Place::File, message)
     })?;
     let mut poses = Vec::with_capacity(ranges.len());
     for range in &ranges {
@@ -192,7 +192,7 @@ pub(crate) fn cut(
         });
     }
     from_first_pose(mapping, &mut poses);
-    Ok((poses, memory))
+    Ok(poses)
 }
 
 /// Runs of rows with the same label.

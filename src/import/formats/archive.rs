@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use flate2::read::DeflateDecoder;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 
-use crate::memory::Lease;
+use crate::memory::MemoryBudget;
 
 /// A zip archive in memory.
 pub(super) struct Archive<'a> {
@@ -41,8 +41,8 @@ impl<'a> Archive<'a> {
         &self.names
     }
 
-    /// Content of an entry, whose memory is added to a lease; `None` if there is no such entry.
-    pub fn read(&self, name: &str, lease: &mut Lease) -> Result<Option<Vec<u8>>, String> {
+    /// Content of an entry, which counts in a budget; `None` if there is no such entry.
+    pub fn read(&self, name: &str, budget: &MemoryBudget) -> Result<Option<Vec<u8>>, String> {
         let damaged = |error: &dyn std::fmt::Display| {
             format!("entry {name} of the archive is damaged ({error})")
         };
@@ -52,10 +52,10 @@ impl<'a> Archive<'a> {
         let local = self.archive.get_entry(*place);
         let local = local.map_err(|error| damaged(&error))?;
         let read = match *method {
-            CompressionMethod::STORE => lease.read_to_end(local.verifying_reader(local.data())),
+            CompressionMethod::STORE => budget.read_to_end(local.verifying_reader(local.data())),
             CompressionMethod::DEFLATE => {
                 let plain = DeflateDecoder::new(local.data());
-                lease.read_to_end(local.verifying_reader(plain))
+                budget.read_to_end(local.verifying_reader(plain))
             }
             _ => {
                 return Err(format!(

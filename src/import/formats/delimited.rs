@@ -23,7 +23,7 @@ pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, 
     let split: Vec<(u64, &Cells)> = split.iter().map(|(line, cells)| (*line, cells)).collect();
     let layout = Layout::of(&split).ok_or_else(|| no_numbers(file))?;
     layout.check(file)?;
-    let mut columns = Columns::new(file, &layout, &split, lines.budget());
+    let mut columns = Columns::new(file, &layout, &split);
     let mut cells = Cells::default();
     while let Some((line, text)) = lines.next_line()? {
         if line >= layout.first_data_line {

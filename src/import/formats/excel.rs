@@ -7,30 +7,30 @@ use quick_xml::events::Event;
 use tautline_session::ReadError;
 
 use super::fault::Fault;
-use super::workbook::{CELL, MAX_CELLS, MAX_COLUMNS, Workbook, padded};
+use super::workbook::{Grid, Workbook};
 use super::workbook_xml::{add_text, attribute, for_each_tag};
-use crate::memory::Lease;
+use crate::memory::MemoryBudget;
 use crate::source::{Format, Source};
-use crate::text::Cells;
 
 /// The part that says which sheets there are.
 pub(super) const WORKBOOK: &str = "xl/workbook.xml";
+/// Memory of a shared text besides its letters, which the part has, too.
+const TEXT: u64 = size_of::<String>() as u64;
 
 pub(super) fn read(archive: &Workbook<'_>) -> Result<Source, ReadError> {
-    let mut book = archive.lease()?;
-    let workbook = archive.expected_part(WORKBOOK, &mut book)?;
+    let workbook = archive.expected_part(WORKBOOK)?;
     let name = "xl/_rels/workbook.xml.rels";
-    let targets = archive.part(name, &mut book)?.unwrap_or_default();
+    let targets = archive.part(name, archive.budget)?.unwrap_or_default();
     let targets = relations(&targets).ok_or_else(|| archive.damaged(name))?;
     let name = "xl/sharedStrings.xml";
-    let shared = match archive.part(name, &mut book)? {
+    let shared = match archive.part(name, archive.budget)? {
         Some(text) => {
-            shared_texts(&text, &mut book).map_err(|fault| archive.refused(name, fault))?
+            shared_texts(&text, archive.budget).map_err(|fault| archive.refused(name, fault))?
         }
         None => Vec::new(),
     };
     let name = "xl/styles.xml";
-    let dates = match archive.part(name, &mut book)? {
+    let dates = match archive.part(name, archive.budget)? {
         Some(text) => date_styles(&text).ok_or_else(|| archive.damaged(name))?,
         None => Vec::new(),
     };
@@ -52,16 +52,14 @@ pub(super) fn read(archive: &Workbook<'_>) -> Result<Source, ReadError> {
             return Err(archive.damaged(WORKBOOK));
         };
         // Of a sheet only its series is kept.
-        let mut sheet = archive.lease()?;
-        let Some(text) = archive.part(&target, &mut sheet)? else {
+        let sheet = archive.budget.temporary();
+        let Some(text) = archive.part(&target, &sheet)? else {
             found.leave_out(name);
             continue;
         };
-        let rows = rows(&text, &shared, &dates, &mut sheet);
-        found.add(
-            name,
-            &rows.map_err(|fault| archive.refused(&target, fault))?,
-        );
+        let rows = rows(&text, &shared, &dates, &sheet);
+        let rows = rows.map_err(|fault| archive.refused(&target, fault))?;
+        found.add(name, &target, rows)?;
     }
     found.finish()
 }
@@ -114,8 +112,8 @@ fn date_styles(text: &str) -> Option<Vec<bool>> {
     Some(styles)
 }
 
-/// The texts that cells refer to by number, whose memory is added to the lease.
-fn shared_texts(text: &str, memory: &mut Lease) -> Result<Vec<String>, Fault> {
+/// The texts that cells refer to by number. They count, since an empty one takes more than its tag.
+fn shared_texts(text: &str, budget: &MemoryBudget) -> Result<Vec<String>, Fault> {
     let mut reader = Reader::from_str(text);
     let (mut texts, mut current, mut in_text, mut phonetic) =
         (Vec::new(), String::new(), false, false);
@@ -128,12 +126,12 @@ fn shared_texts(text: &str, memory: &mut Lease) -> Result<Vec<String>, Fault> {
                 _ => {}
             },
             Event::Empty(tag) if tag.local_name().as_ref() == b"si" => {
-                memory.take_values::<String>(1)?;
+                budget.take(TEXT)?;
                 texts.push(String::new());
             }
             Event::End(tag) => match tag.local_name().as_ref() {
                 b"si" => {
-                    memory.take((size_of::<String>() + current.capacity()) as u64)?;
+                    budget.take(TEXT)?;
                     texts.push(std::mem::take(&mut current));
                 }
                 b"t" => in_text = false,
@@ -146,16 +144,15 @@ fn shared_texts(text: &str, memory: &mut Lease) -> Result<Vec<String>, Fault> {
     }
 }
 
-/// The rows of a sheet with their numbers; the cells that it leaves out are empty. Their memory is added to the lease.
+/// The rows of a sheet with their numbers; the cells that it leaves out are empty.
 fn rows(
     text: &str,
     shared: &[String],
     dates: &[bool],
-    memory: &mut Lease,
-) -> Result<Vec<(u64, Cells)>, Fault> {
+    budget: &MemoryBudget,
+) -> Result<Grid, Fault> {
     let mut reader = Reader::from_str(text);
-    let mut rows = Vec::new();
-    let (mut cells, mut number, mut total): (Vec<String>, u64, usize) = (Vec::new(), 0, 0);
+    let (mut grid, mut number) = (Grid::new(budget), 0_u64);
     let (mut kind, mut style, mut column, mut value, mut in_value) =
         (String::new(), 0_usize, 0_usize, String::new(), false);
     loop {
@@ -164,7 +161,7 @@ fn rows(
                 number = attribute(&tag, "r")
                     .and_then(|number| number.parse().ok())
                     .unwrap_or(number + 1);
-                cells.clear();
+                grid.cells.clear();
             }
             Event::Start(tag) | Event::Empty(tag) if tag.local_name().as_ref() == b"c" => {
                 kind = attribute(&tag, "t").unwrap_or_default();
@@ -172,7 +169,7 @@ fn rows(
                     .and_then(|style| style.parse().ok())
                     .unwrap_or(0);
                 let place = attribute(&tag, "r");
-                let place = place.map_or(Some(cells.len()), |place| column_of(&place));
+                let place = place.map_or(Some(grid.cells.len()), |place| column_of(&place));
                 column = place.ok_or(Fault::Damaged)?;
                 value.clear();
             }
@@ -182,32 +179,18 @@ fn rows(
             Event::End(tag) => match tag.local_name().as_ref() {
                 b"v" | b"t" => in_value = false,
                 b"c" => {
-                    if column >= MAX_COLUMNS {
-                        return Err(Fault::Damaged);
-                    }
                     let is_date = dates.get(style) == Some(&true);
                     let cell = shown(&kind, &value, is_date, shared).ok_or(Fault::Damaged)?;
-                    // The text is copied to that of the row.
-                    let gap = (column + 1).saturating_sub(cells.len());
-                    memory.take((gap * CELL + 2 * cell.len()) as u64)?;
-                    cells.resize(cells.len().max(column + 1), String::new());
-                    cells[column] = cell;
+                    grid.put(column, 1, cell)?;
                 }
-                b"row" => {
-                    total += cells.len();
-                    if total > MAX_CELLS {
-                        return Err(Fault::Damaged);
-                    }
-                    memory.take_values::<(u64, Cells)>(2)?;
-                    rows.push((number, std::mem::take(&mut cells)));
-                }
+                b"row" => grid.end_row(number, 1)?,
                 _ => {}
             },
             Event::Eof => break,
             event => add_text(&event, in_value, &mut value).ok_or(Fault::Damaged)?,
         }
     }
-    padded(rows, memory)
+    Ok(grid)
 }
 
 /// The text of a cell. Dates are stored as days since 1900 and shown as date and time.

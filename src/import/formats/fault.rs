@@ -1,5 +1,7 @@
 //! Why reading a part of a file ended.
 
+use std::io;
+
 use crate::memory::OverBudget;
 
 /// Why a part of a file is not read.
@@ -11,5 +13,12 @@ pub(super) enum Fault {
 impl From<OverBudget> for Fault {
     fn from(over: OverBudget) -> Self {
         Self::Large(over)
+    }
+}
+
+/// An error of decompressed content.
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Self {
+        error.downcast().map_or(Self::Damaged, Self::Large)
     }
 }

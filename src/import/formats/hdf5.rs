@@ -20,12 +20,11 @@ use tautline_session::{Place, ReadError, quoted, read_damaged};
 
 use super::hdf5_elements::{Cell, Field, fields_of, joined, text};
 use super::matlab::object;
-use super::{MAX_WHOLE, stem};
+use super::stem;
 use crate::input::Input;
 use crate::memory::MemoryBudget;
-use crate::source::{Channel, FillingTexts, Format, Series, Source};
+use crate::source::{Filling, FillingTexts, Format, Series, Source};
 use crate::units::{bare, split_heading};
-use crate::values::{Filling, Storage};
 
 /// Bytes of an array that are decoded at a time, where its pieces in the file are not larger.
 const WINDOW: u64 = 1 << 20;
@@ -95,7 +94,6 @@ fn read_file(
         left: bytes.saturating_mul(MAX_RATIO),
         budget,
         objects: 0,
-        storage: Storage::within(budget),
         series: Vec::new(),
         notices: Vec::new(),
     };
@@ -154,7 +152,6 @@ struct Reader<'a> {
     /// Memory for what is decoded.
     budget: &'a MemoryBudget,
     objects: usize,
-    storage: Storage,
     /// With the variable of MATLAB that each belongs to.
     series: Vec<(String, Series)>,
     notices: Vec<String>,
@@ -187,12 +184,7 @@ impl Size {
 struct Column {
     name: String,
     unit: Option<String>,
-    cells: Filled,
-}
-
-enum Filled {
-    Numbers(Filling),
-    Texts(FillingTexts),
+    cells: Filling,
 }
 
 impl Reader<'_> {
@@ -495,10 +487,8 @@ impl Reader<'_> {
                         name,
                         unit: stated.filter(|unit| !unit.is_empty()).or(heading),
                         cells: match field.cell {
-                            Cell::Text | Cell::FarText => {
-                                Filled::Texts(FillingTexts::within(self.budget))
-                            }
-                            _ => Filled::Numbers(Filling::default()),
+                            Cell::Text | Cell::FarText => Filling::Texts(FillingTexts::default()),
+                            _ => Filling::Numbers(Vec::new()),
                         },
                     });
                 }
@@ -539,17 +529,17 @@ impl Reader<'_> {
         {
             window = window.next_multiple_of(*height).min(lines);
         }
-        if window.saturating_mul(line_bytes) > MAX_WHOLE {
-            let (path, limit) = (quoted(path), MAX_WHOLE >> 30);
-            let message =
-                format!("array {path} has chunks of more than {limit} GB, expected smaller ones");
-            return Err(self.fail(message));
-        }
-        // The window, and a chunk that is decoded into it.
-        let bytes = window.min(lines).saturating_mul(line_bytes);
-        let memory = self.budget.lease(bytes.saturating_mul(2));
-        let _memory = memory.map_err(|over| self.fail(format!("array {} {over}", quoted(path))))?;
         let parts = parts_of(fields);
+        // A byte may be a value, and each text may be another.
+        let sizes = (fields.iter()).map(|field| field.size.max(size_of::<f64>()) * field.count);
+        let cell_bytes = sizes.sum::<usize>() as u64;
+        // The window, and a chunk that is decoded into it.
+        let bytes = window
+            .min(lines)
+            .saturating_mul(line_bytes.saturating_mul(2));
+        let taken = (self.budget.take(cells.saturating_mul(cell_bytes)))
+            .and_then(|()| self.budget.temporary().take(bytes));
+        taken.map_err(|over| self.fail(format!("array {} {over}", quoted(path))))?;
         let mut found = 0;
         for first in (0..lines).step_by(usize::try_from(window).unwrap_or(usize::MAX)) {
             // Maps each cell of a window to its column.
@@ -563,7 +553,7 @@ impl Reader<'_> {
                 let texts = texts.map_err(|error| self.damaged(&error))?;
                 count = texts.len() as u64;
                 for (k, text) in (0..count).zip(&texts) {
-                    if let Some(Filled::Texts(texts)) = cells_of(columns, column(k) as usize) {
+                    if let Some(Filling::Texts(texts)) = cells_of(columns, column(k) as usize) {
                         texts.push(text);
                     }
                 }
@@ -572,7 +562,7 @@ impl Reader<'_> {
                 let bytes = bytes.map_err(|error| self.damaged(&error))?;
                 count = bytes.len() as u64 / element;
                 for (k, bytes) in (0..count).zip(bytes.chunks_exact(element as usize)) {
-                    self.cell(bytes, fields, columns, column(k) as usize * parts)?;
+                    add_cell(bytes, fields, columns, column(k) as usize * parts);
                 }
             }
             found += count;
@@ -585,32 +575,6 @@ impl Reader<'_> {
         }
         let path = quoted(path);
         Err(self.fail(format!("array {path} has {found} values, expected {cells}")))
-    }
-
-    /// Adds an element of an array to the columns from index `place` on.
-    fn cell(
-        &mut self,
-        bytes: &[u8],
-        fields: &[Field],
-        columns: &mut [Column],
-        mut place: usize,
-    ) -> Result<(), ReadError> {
-        for field in fields {
-            for part in 0..field.count {
-                let at = field.offset + part * field.size;
-                let bytes = bytes.get(at..at + field.size).unwrap_or_default();
-                match cells_of(columns, place) {
-                    Some(Filled::Numbers(values)) => {
-                        let pushed = self.storage.push(values, field.number(bytes));
-                        pushed.map_err(|error| ReadError::io(self.file, Place::File, &error))?;
-                    }
-                    Some(Filled::Texts(texts)) => texts.push(&text(bytes)),
-                    None => {}
-                }
-                place += 1;
-            }
-        }
-        Ok(())
     }
 
     /// Adds the columns of an array to the series of as many rows; in MATLAB, of the same variable.
@@ -631,20 +595,10 @@ impl Reader<'_> {
         });
         let series = &mut self.series[place].1;
         for Column { name, unit, cells } in columns {
-            match cells {
-                Filled::Numbers(values) => series.channels.push(Channel {
-                    name,
-                    unit,
-                    values: values.finish(),
-                }),
-                Filled::Texts(texts) => match texts.finish(&name) {
-                    Ok(texts) => series.texts.push(texts),
-                    Err(why) => {
-                        let notice = format!("{}, array {}: {why}", self.file, quoted(&name));
-                        self.notices.push(notice);
-                    }
-                },
-            }
+            let place = format!("{}, array {}", self.file, quoted(&name));
+            let added = series.add(name, unit, cells);
+            let notice = |why| format!("{place}: {why}");
+            self.notices.extend(added.err().map(notice));
         }
     }
 
@@ -675,7 +629,23 @@ fn parts_of(fields: &[Field]) -> usize {
     counts.fold(0, usize::saturating_add)
 }
 
-fn cells_of(columns: &mut [Column], place: usize) -> Option<&mut Filled> {
+/// Adds an element of an array to the columns from index `place` on.
+fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [Column], mut place: usize) {
+    for field in fields {
+        for part in 0..field.count {
+            let at = field.offset + part * field.size;
+            let bytes = bytes.get(at..at + field.size).unwrap_or_default();
+            match cells_of(columns, place) {
+                Some(Filling::Numbers(values)) => values.push(field.number(bytes)),
+                Some(Filling::Texts(texts)) => texts.push(&text(bytes)),
+                None => {}
+            }
+            place += 1;
+        }
+    }
+}
+
+fn cells_of(columns: &mut [Column], place: usize) -> Option<&mut Filling> {
     columns.get_mut(place).map(|column| &mut column.cells)
 }
 

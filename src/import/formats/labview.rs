@@ -11,7 +11,7 @@ use crate::source::{Channel, Format, Series, Source};
 use crate::table::make_unique;
 use crate::text::{Cells, Lines, Separator, is_gap, parse_number};
 use crate::units::split_heading;
-use crate::values::Table;
+use crate::values::Values;
 
 const END_OF_HEADER: &str = "***End_of_Header***";
 const START_SPECIAL: &str = "***Start_Special***";
@@ -107,7 +107,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
 struct Segment {
     header: Header,
     headings: Vec<String>,
-    columns: Vec<Channel>,
+    columns: Vec<Vec<f64>>,
     rows: usize,
 }
 
@@ -144,8 +144,7 @@ fn segment(lines: &mut Lines<'_>, separator: Separator) -> Result<Option<Segment
     if headings.last().is_some_and(|last| last == COMMENT) {
         headings.pop();
     }
-    let mut table = Table::new(headings.len(), lines.budget());
-    let mut row = vec![0.0; headings.len()];
+    let mut columns = vec![Vec::new(); headings.len()];
     let mut rows = 0;
     let mut cells = Cells::default();
     // A blank line or the header of the next segment ends this one.
@@ -156,8 +155,9 @@ fn segment(lines: &mut Lines<'_>, separator: Separator) -> Result<Option<Segment
             break;
         }
         lines.next_line()?;
-        for (k, value) in row.iter_mut().enumerate() {
-            *value = match parse_number(cells.get(k)) {
+        lines.take_values(columns.len())?;
+        for (k, column) in columns.iter_mut().enumerate() {
+            column.push(match parse_number(cells.get(k)) {
                 Some((value, _)) => value,
                 None if is_gap(cells.get(k)) => f64::NAN,
                 None => {
@@ -165,14 +165,10 @@ fn segment(lines: &mut Lines<'_>, separator: Separator) -> Result<Option<Segment
                     let message = format!("found {}, expected a number", quoted(cells.get(k)));
                     return Err(ReadError::new(lines.file(), place, message));
                 }
-            };
+            });
         }
-        let pushed = table.push(&row);
-        pushed.map_err(|error| ReadError::io(lines.file(), Place::Line(line), &error))?;
         rows += 1;
     }
-    let mut columns: Vec<Channel> = headings.iter().map(|_| Channel::default()).collect();
-    table.finish(&mut columns);
     Ok(Some(Segment {
         header,
         headings,
@@ -205,7 +201,7 @@ impl Segment {
         let mut channel = 0;
         for (heading, column) in headings.into_iter().zip(columns) {
             if heading == X_VALUE {
-                times = Some(column.values).filter(|_| has_times);
+                times = Some(Values::from(column)).filter(|_| has_times);
                 continue;
             }
             channel += 1;
@@ -224,7 +220,7 @@ impl Segment {
             let one = Channel {
                 name: title,
                 unit: stated.or(unit),
-                values: column.values,
+                values: column.into(),
             };
             match series.iter_mut().find(|known| known.time_s == time_s) {
                 Some(known) => known.channels.push(one),

@@ -9,14 +9,13 @@
 //! with one row per element.
 //! Source: MAT-File Format, The MathWorks, R2019b.
 
-use std::io::ErrorKind;
-
 use flate2::read::ZlibDecoder;
 use tautline_session::{Place, ReadError, quoted};
 
-use super::{over_budget, stem, whole};
+use super::fault::Fault;
+use super::{stem, whole};
 use crate::input::Input;
-use crate::memory::{Lease, OverBudget};
+use crate::memory::MemoryBudget;
 use crate::orientation::owner_of;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
@@ -35,10 +34,13 @@ const UTF16: u32 = 17;
 const OPAQUE: u32 = 17;
 
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let (bytes, memory) = whole(input, file)?;
-    let over = |over| over_budget(file, over);
+    let bytes = whole(input, file)?;
     let fail = |at: usize, message: &str| {
         ReadError::new(file, Place::File, format!("byte {at}: {message}"))
+    };
+    let refuse = |at: usize, fault: Fault, damaged: &str| match fault {
+        Fault::Damaged => fail(at, damaged),
+        Fault::Large(over) => fail(at, &format!("a variable {over}")),
     };
     let swapped = match bytes.get(126..128) {
         Some(b"IM") => false,
@@ -47,41 +49,30 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
     };
     let mut found = Found {
         swapped,
-        memory,
-        over: None,
+        budget: input.budget(),
         arrays: Vec::new(),
         texts: Vec::new(),
         skipped: Vec::new(),
     };
     let add = |found: &mut Found, data: &[u8], at: usize| {
+        let damaged = "found a damaged array, expected a complete variable";
         let added = found.array(data, None, 0);
-        match found.over {
-            Some(over) => Err(fail(at, &format!("a variable {over}"))),
-            None => {
-                added.ok_or_else(|| fail(at, "found a damaged array, expected a complete variable"))
-            }
-        }
+        added.map_err(|fault| refuse(at, fault, damaged))
     };
     let mut rest = &bytes[128..];
     let mut cut = None;
     while !rest.is_empty() {
         let at = bytes.len() - rest.len();
-        let Some((kind, data, next)) = element(rest, swapped) else {
+        let Ok((kind, data, next)) = element(rest, swapped) else {
             cut = Some(at);
             break;
         };
         match kind {
             COMPRESSED => {
-                let mut inflating = input.budget().lease(0).map_err(over)?;
-                let plain = inflating.read_to_end(ZlibDecoder::new(data));
-                let plain = plain.map_err(|error| match error.kind() {
-                    ErrorKind::OutOfMemory => fail(at, &format!("a variable {error}")),
-                    _ => fail(
-                        at,
-                        "found damaged compressed data, expected a complete variable",
-                    ),
-                })?;
-                let Some((MATRIX, data, _)) = element(&plain, swapped) else {
+                let damaged = "found damaged compressed data, expected a complete variable";
+                let plain = found.budget.temporary().read_to_end(ZlibDecoder::new(data));
+                let plain = plain.map_err(|error| refuse(at, error.into(), damaged))?;
+                let Ok((MATRIX, data, _)) = element(&plain, swapped) else {
                     return Err(fail(
                         at,
                         "found compressed data without an array, expected a variable",
@@ -137,57 +128,53 @@ struct Texts {
     rows: Vec<String>,
 }
 
-struct Found {
+struct Found<'a> {
     swapped: bool,
-    /// Memory of the file and of the arrays.
-    memory: Lease,
-    /// Set where it does not suffice.
-    over: Option<OverBudget>,
+    budget: &'a MemoryBudget,
     arrays: Vec<Array>,
     texts: Vec<Texts>,
     skipped: Vec<String>,
 }
 
 /// Type and data of the first element, and what follows it.
-fn element(bytes: &[u8], swapped: bool) -> Option<(u32, &[u8], &[u8])> {
+fn element(bytes: &[u8], swapped: bool) -> Result<(u32, &[u8], &[u8]), Fault> {
     let first = word(bytes, 0, swapped)?;
     if first >> 16 != 0 {
         let size = (first >> 16) as usize;
-        return Some((
-            first & 0xffff,
-            bytes.get(4..4 + size.min(4))?,
-            bytes.get(8..)?,
-        ));
+        let data = bytes.get(4..4 + size.min(4)).ok_or(Fault::Damaged)?;
+        let rest = bytes.get(8..).ok_or(Fault::Damaged)?;
+        return Ok((first & 0xffff, data, rest));
     }
     let size = word(bytes, 4, swapped)? as usize;
-    let end = 8_usize.checked_add(size)?;
+    let end = 8_usize.checked_add(size).ok_or(Fault::Damaged)?;
     // Compressed elements are not padded; the last element of an array need not be.
     let padded = if first == COMPRESSED {
         end
     } else {
         end.next_multiple_of(8)
     };
-    Some((
+    Ok((
         first,
-        bytes.get(8..end)?,
+        bytes.get(8..end).ok_or(Fault::Damaged)?,
         bytes.get(padded..).unwrap_or_default(),
     ))
 }
 
-fn word(bytes: &[u8], at: usize, swapped: bool) -> Option<u32> {
-    let bytes: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
-    Some(if swapped {
+fn word(bytes: &[u8], at: usize, swapped: bool) -> Result<u32, Fault> {
+    let word = bytes.get(at..).and_then(<[u8]>::first_chunk);
+    let bytes = *word.ok_or(Fault::Damaged)?;
+    Ok(if swapped {
         u32::from_be_bytes(bytes)
     } else {
         u32::from_le_bytes(bytes)
     })
 }
 
-impl Found {
-    /// Adds an array and those in it; `None` if it is damaged. `path` is its place in a variable.
-    fn array(&mut self, data: &[u8], path: Option<&str>, depth: usize) -> Option<()> {
+impl Found<'_> {
+    /// Adds an array and those in it. `path` is its place in a variable.
+    fn array(&mut self, data: &[u8], path: Option<&str>, depth: usize) -> Result<(), Fault> {
         if data.is_empty() {
-            return Some(());
+            return Ok(());
         }
         let (_, flags, rest) = element(data, self.swapped)?;
         let flags = word(flags, 0, self.swapped)?;
@@ -199,20 +186,21 @@ impl Found {
         let (_, name, rest) = element(rest, self.swapped)?;
         let dimensions: Vec<usize> = (0..dimensions.len() / 4)
             .map(|k| word(dimensions, 4 * k, self.swapped).map(|size| size as usize))
-            .collect::<Option<_>>()?;
+            .collect::<Result<_, _>>()?;
         let count = dimensions
             .iter()
-            .try_fold(1_usize, |product, size| product.checked_mul(*size))?;
+            .try_fold(1_usize, |product, size| product.checked_mul(*size))
+            .ok_or(Fault::Damaged)?;
         let name = String::from_utf8_lossy(name);
         // Properties of objects.
         if path.is_none() && name.is_empty() {
-            return Some(());
+            return Ok(());
         }
         let path = path.map_or_else(|| name.into_owned(), str::to_owned);
         let skip = |what: &str| format!("variable {} ({what})", quoted(&path));
         if depth > MAX_DEPTH {
             self.skipped.push(skip("nested too deeply"));
-            return Some(());
+            return Ok(());
         }
         match class {
             1 => self.cells(rest, &path, count, depth),
@@ -221,14 +209,10 @@ impl Found {
             6..=15 => {
                 let (kind, numbers, _) = element(rest, self.swapped)?;
                 // A byte may be a value of its own.
-                let taken = self.memory.take_values::<f64>(count.min(numbers.len()));
-                if let Err(over) = taken {
-                    self.over = Some(over);
-                    return None;
-                }
+                self.budget.take_values(count.min(numbers.len()))?;
                 let values = self.numbers(kind, numbers)?;
                 if values.len() != count {
-                    return None;
+                    return Err(Fault::Damaged);
                 }
                 match dimensions[..] {
                     [_, _] if is_complex => self.skipped.push(skip("complex")),
@@ -246,7 +230,7 @@ impl Found {
                     }),
                     _ => self.skipped.push(skip("more than two dimensions")),
                 }
-                Some(())
+                Ok(())
             }
             _ => {
                 self.skipped.push(skip(match class {
@@ -255,13 +239,13 @@ impl Found {
                     16 => "function",
                     _ => "of an undocumented class",
                 }));
-                Some(())
+                Ok(())
             }
         }
     }
 
     /// Names an object that cannot be read.
-    fn object(&mut self, rest: &[u8], path: Option<&str>) -> Option<()> {
+    fn object(&mut self, rest: &[u8], path: Option<&str>) -> Result<(), Fault> {
         let (_, name, rest) = element(rest, self.swapped)?;
         let (_, _, rest) = element(rest, self.swapped)?;
         let (_, class, _) = element(rest, self.swapped)?;
@@ -269,11 +253,11 @@ impl Found {
         let class = String::from_utf8_lossy(class);
         let what = format!("variable {}, {},", quoted(&path), object(&class));
         self.skipped.push(what);
-        Some(())
+        Ok(())
     }
 
     /// Adds a text in one row.
-    fn text(&mut self, rest: &[u8], path: String) -> Option<()> {
+    fn text(&mut self, rest: &[u8], path: String) -> Result<(), Fault> {
         let (kind, letters, _) = element(rest, self.swapped)?;
         let text = match kind {
             UTF8 => String::from_utf8_lossy(letters).into_owned(),
@@ -292,43 +276,34 @@ impl Found {
             path,
             rows: vec![text],
         });
-        Some(())
+        Ok(())
     }
 
-    /// Adds an array of an element; what memory does not suffice for is told of the whole.
-    fn array_within(
+    fn cells(
         &mut self,
-        within: &mut Self,
-        data: &[u8],
+        mut rest: &[u8],
         path: &str,
+        count: usize,
         depth: usize,
-    ) -> Option<()> {
-        let added = within.array(data, Some(path), depth + 1);
-        if added.is_none() {
-            self.over = within.over;
-        }
-        added
-    }
-
-    fn cells(&mut self, mut rest: &[u8], path: &str, count: usize, depth: usize) -> Option<()> {
+    ) -> Result<(), Fault> {
         let mut elements = Vec::new();
         for k in 0..count {
             let (_, data, next) = element(rest, self.swapped)?;
             let mut within = self.below();
-            self.array_within(&mut within, data, "", depth)?;
+            within.array(data, Some(""), depth + 1)?;
             elements.push((format!("{path}{{{}}}", k + 1), within));
             rest = next;
         }
         self.merge(path, elements);
-        Some(())
+        Ok(())
     }
 
-    fn fields(&mut self, rest: &[u8], path: &str, count: usize, depth: usize) -> Option<()> {
+    fn fields(&mut self, rest: &[u8], path: &str, count: usize, depth: usize) -> Result<(), Fault> {
         let (_, length, rest) = element(rest, self.swapped)?;
         let length = word(length, 0, self.swapped)? as usize;
         let (_, names, mut rest) = element(rest, self.swapped)?;
         let names: Vec<String> = match length {
-            0 => return None,
+            0 => return Err(Fault::Damaged),
             length => names
                 .chunks_exact(length)
                 .map(|name| {
@@ -344,7 +319,7 @@ impl Found {
             let mut within = self.below();
             for name in &names {
                 let (_, data, next) = element(rest, self.swapped)?;
-                self.array_within(&mut within, data, &format!(".{name}"), depth)?;
+                within.array(data, Some(&format!(".{name}")), depth + 1)?;
                 rest = next;
             }
             let place = match count {
@@ -354,15 +329,14 @@ impl Found {
             elements.push((place, within));
         }
         self.merge(path, elements);
-        Some(())
+        Ok(())
     }
 
     /// Nothing yet, of the same file.
     fn below(&self) -> Self {
         Self {
             swapped: self.swapped,
-            memory: self.memory.another(),
-            over: None,
+            budget: self.budget,
             arrays: Vec::new(),
             texts: Vec::new(),
             skipped: Vec::new(),
@@ -391,7 +365,6 @@ impl Found {
             }
         }
         for (place, within) in elements {
-            self.memory.absorb(within.memory);
             let named = |name: String| format!("{place}{name}");
             self.arrays
                 .extend(within.arrays.into_iter().map(|array| Array {
@@ -414,19 +387,19 @@ impl Found {
     }
 
     /// Numbers as they are stored, which may be narrower than the array's class.
-    fn numbers(&self, kind: u32, bytes: &[u8]) -> Option<Vec<f64>> {
+    fn numbers(&self, kind: u32, bytes: &[u8]) -> Result<Vec<f64>, Fault> {
         macro_rules! read {
             ($type:ty) => {
                 bytes
                     .chunks_exact(size_of::<$type>())
                     .map(|chunk| {
-                        let chunk = chunk.try_into().ok()?;
+                        let chunk = chunk.try_into().map_err(|_| Fault::Damaged)?;
                         let value = if self.swapped {
                             <$type>::from_be_bytes(chunk)
                         } else {
                             <$type>::from_le_bytes(chunk)
                         };
-                        Some(value as f64)
+                        Ok(value as f64)
                     })
                     .collect()
             };
@@ -442,15 +415,15 @@ impl Found {
             9 => read!(f64),
             12 => read!(i64),
             13 => read!(u64),
-            _ => None,
+            _ => Err(Fault::Damaged),
         }
     }
 }
 
 /// Takes the numbers of this name out of all elements, if they are as many everywhere and fewer than the elements, which then
 /// are samples; an empty array is a missing row.
-fn merged_numbers(path: &str, name: &str, elements: &mut [(String, Found)]) -> Option<Array> {
-    let of = |within: &Found| {
+fn merged_numbers(path: &str, name: &str, elements: &mut [(String, Found<'_>)]) -> Option<Array> {
+    let of = |within: &Found<'_>| {
         let arrays = &within.arrays;
         arrays.iter().position(|array| array.path == name)
     };
@@ -479,8 +452,8 @@ fn merged_numbers(path: &str, name: &str, elements: &mut [(String, Found)]) -> O
 }
 
 /// Takes the texts of this name out of all elements, if each has one.
-fn merged_texts(path: &str, name: &str, elements: &mut [(String, Found)]) -> Option<Texts> {
-    let of = |within: &Found| {
+fn merged_texts(path: &str, name: &str, elements: &mut [(String, Found<'_>)]) -> Option<Texts> {
+    let of = |within: &Found<'_>| {
         let texts = &within.texts;
         texts
             .iter()
@@ -516,7 +489,7 @@ pub(super) fn object(class: &str) -> String {
 }
 
 /// Arrays of one variable with the same number of rows become a series.
-fn series(found: Found, stem: &str, file: &str, notices: &mut Vec<String>) -> Vec<Series> {
+fn series(found: Found<'_>, stem: &str, file: &str, notices: &mut Vec<String>) -> Vec<Series> {
     let mut series = Grouped {
         stem,
         series: Vec::new(),

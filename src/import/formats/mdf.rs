@@ -11,7 +11,7 @@ use tautline_session::{Place, ReadError, quoted};
 use super::fault::Fault;
 use super::{over_budget, stem, whole};
 use crate::input::Input;
-use crate::memory::Lease;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, Format, Series, Source};
 
 /// First bytes of a file, and of one that was not closed.
@@ -24,7 +24,7 @@ const HEAD: u64 = 24;
 const MOST_BLOCKS: usize = 1 << 20;
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let (bytes, _memory) = whole(&mut input, file)?;
+    let bytes = whole(&mut input, file)?;
     let fail = |message: String| ReadError::new(file, Place::File, message);
     let version = String::from_utf8_lossy(bytes.get(8..16).unwrap_or_default());
     if !version.starts_with('4') {
@@ -34,10 +34,9 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
             quoted(version)
         )));
     }
-    let memory = input.budget().lease(0);
     let mut recording = Recording {
         bytes: &bytes,
-        memory: memory.map_err(|over| over_budget(file, over))?,
+        budget: input.budget(),
         series: Vec::new(),
         notices: Vec::new(),
     };
@@ -193,7 +192,7 @@ fn table(points: &[[f64; 2]], interpolates: bool, raw: f64) -> f64 {
 
 struct Recording<'a> {
     bytes: &'a [u8],
-    memory: Lease,
+    budget: &'a MemoryBudget,
     series: Vec<Series>,
     notices: Vec<String>,
 }
@@ -261,8 +260,7 @@ impl<'a> Recording<'a> {
             let Some(data) = group.link(2) else {
                 continue;
             };
-            let mut memory = self.memory.another();
-            let records = self.data(data, &mut memory)?;
+            let records = self.data(data, &self.budget.temporary())?;
             self.records(&records, id_bytes, channel_groups, name)?;
         }
         Ok(())
@@ -383,7 +381,7 @@ impl<'a> Recording<'a> {
     }
 
     /// The bytes of a data block, of a compressed one, or of a list of them.
-    fn data(&self, at: u64, memory: &mut Lease) -> Result<Vec<u8>, Fault> {
+    fn data(&self, at: u64, budget: &MemoryBudget) -> Result<Vec<u8>, Fault> {
         let mut all = Vec::new();
         let mut next = Some(at);
         let mut count = 0;
@@ -393,11 +391,11 @@ impl<'a> Recording<'a> {
                 b"##HL" => next = block.link(0),
                 b"##DL" => {
                     for place in block.links.iter().skip(1).filter(|place| **place != 0) {
-                        self.part(&self.block(*place)?, memory, &mut all)?;
+                        self.part(&self.block(*place)?, budget, &mut all)?;
                     }
                     next = block.link(0);
                 }
-                _ => self.part(&block, memory, &mut all)?,
+                _ => self.part(&block, budget, &mut all)?,
             }
             count += 1;
             if count > MOST_BLOCKS {
@@ -407,22 +405,23 @@ impl<'a> Recording<'a> {
         Ok(all)
     }
 
-    fn part(&self, block: &Block<'_>, memory: &mut Lease, all: &mut Vec<u8>) -> Result<(), Fault> {
+    /// Adds the bytes of a block. They count in a budget, since lists may name the same block many times.
+    fn part(
+        &self,
+        block: &Block<'_>,
+        budget: &MemoryBudget,
+        all: &mut Vec<u8>,
+    ) -> Result<(), Fault> {
         match &block.kind {
             b"##DT" => {
-                memory.take(2 * block.data.len() as u64)?;
+                budget.take(2 * block.data.len() as u64)?;
                 all.extend_from_slice(block.data);
             }
             b"##DZ" => {
                 let (method, width) = (block.u8(2)?, block.u32(4)? as usize);
                 let length = block.u64(8)?;
                 let packed = block.data.get(24..).ok_or(Fault::Damaged)?;
-                memory.take(length.saturating_mul(3))?;
-                let mut bytes = Vec::new();
-                let read = ZlibDecoder::new(packed)
-                    .take(length)
-                    .read_to_end(&mut bytes);
-                read.map_err(|_| Fault::Damaged)?;
+                let bytes = budget.read_to_end(ZlibDecoder::new(packed).take(length))?;
                 match method {
                     0 => all.extend(bytes),
                     1 if width > 0 => all.extend(transposed(&bytes, width)),
@@ -477,7 +476,8 @@ impl<'a> Recording<'a> {
                     .push("ends within a record: the recording was cut off".to_owned());
                 break;
             };
-            self.memory.take_values::<f64>(2 * group.channels.len())?;
+            // Channels may be bits of the same byte.
+            self.budget.take_values(group.channels.len())?;
             for (values, channel) in columns[place].iter_mut().zip(&group.channels) {
                 let value = channel.value(record, group.data_bytes, values.len());
                 values.push(value.ok_or(Fault::Damaged)?);

@@ -32,9 +32,9 @@ use std::path::Path;
 use tautline_session::{Place, ReadError, open_input};
 
 use crate::input::{Input, Watch};
-use crate::memory::{Lease, MemoryBudget, OverBudget};
+use crate::memory::{MemoryBudget, OverBudget};
 use crate::robots::is_description;
-use crate::source::{Format, Source};
+use crate::source::{Format, Series, Source};
 use crate::text::decoded;
 
 /// Number of leading bytes from which the format is recognised.
@@ -81,7 +81,8 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         let message = "found a table without numbers, expected readings";
         return Err(ReadError::new(&source.file, Place::File, message));
     }
-    let taken = watch.budget().take(source.memory());
+    let bytes = source.series.iter().map(Series::bytes);
+    let taken = watch.budget().take(bytes.fold(0, u64::saturating_add));
     taken.map_err(|over| over_budget(&source.file, over))?;
     Ok(source)
 }
@@ -95,7 +96,9 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let file = path.display().to_string();
     let refuse = |message: &str| Err(ReadError::new(&file, Place::File, message));
     let (head, input) = open(path, &file)?;
-    let mut input = Input::new(input, watch);
+    // Of a file only its series count further on.
+    let budget = watch.budget().temporary();
+    let mut input = Input::new(input, watch, &budget);
     let format = match recognise(&head, path) {
         Kind::Readable(format) => format,
         Kind::RobotDescription => {
@@ -143,11 +146,8 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     }
 }
 
-/// Whether a file is the robot description of another program.
-///
-/// # Errors
-/// If it cannot be read.
-pub fn is_robot_description(path: &Path) -> Result<bool, ReadError> {
+/// Whether a file is a text or tree that describes a robot.
+pub(crate) fn holds_description(path: &Path) -> Result<bool, ReadError> {
     let (head, _) = open(path, &path.display().to_string())?;
     Ok(matches!(recognise(&head, path), Kind::RobotDescription))
 }
@@ -165,8 +165,8 @@ fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
     Ok((head, input))
 }
 
-/// The content of a file, with its memory.
-fn whole(input: &mut Input<'_>, file: &str) -> Result<(Vec<u8>, Lease), ReadError> {
+/// The content of a file.
+fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
     let io = |error| ReadError::io(file, Place::File, &error);
     let length = input.file().and_then(|file| file.metadata());
     let length = length.map_err(io)?.len();
@@ -177,11 +177,9 @@ fn whole(input: &mut Input<'_>, file: &str) -> Result<(Vec<u8>, Lease), ReadErro
         );
         return Err(ReadError::new(file, Place::File, message));
     }
-    let lease = input.budget().lease(length);
-    let lease = lease.map_err(|over| over_budget(file, over))?;
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     input.take(length).read_to_end(&mut bytes).map_err(io)?;
-    Ok((bytes, lease))
+    Ok(bytes)
 }
 
 fn recognise(head: &[u8], path: &Path) -> Kind {
@@ -246,7 +244,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         _ if is_description(text) => RobotDescription,
         "" => Refused("is empty, expected readings"),
         _ if text.starts_with('<') => Refused(
-            "is an XML file of unknown format, expected readings or a robot of CASPR, WireX or MuJoCo",
+            "is an XML file of unknown format, expected readings or a robot of CASPR, WireX, MuJoCo, Gazebo or URDF",
         ),
         _ if text.starts_with('{') => {
             Refused("is a JSON file, expected readings; robots and sessions need no import")

@@ -7,7 +7,7 @@ use super::{encoding_notice, stem};
 use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Decimal, Lines, Separator, is_gap, parse_number};
-use crate::values::{Table, Values};
+use crate::values::{Values, fill};
 
 /// Most lines before the data.
 const HEADER_LINES: usize = 20;
@@ -127,7 +127,7 @@ fn data(
 ) -> Result<Values, ReadError> {
     let file = lines.file();
     let mut cells = Cells::default();
-    let mut table = Table::new(channels.len(), lines.budget());
+    let mut columns = vec![Vec::new(); channels.len()];
     let mut times = Vec::new();
     let mut frames = Frames::default();
     while let Some((line, text)) = lines.next_line()? {
@@ -167,17 +167,15 @@ fn data(
             let k = usize::from(number(0).is_some());
             return Err(error(k, cells.get(k)));
         };
-        let mut row = Vec::with_capacity(channels.len());
-        for k in 2..axes.len() {
-            row.push(match number(k) {
+        lines.take_values(columns.len())?;
+        for (k, column) in (2..).zip(&mut columns) {
+            column.push(match number(k) {
                 Some(value) => value,
                 None if is_gap(cells.get(k)) => f64::NAN,
                 None => return Err(error(k, cells.get(k))),
             });
         }
         frames.add(frame);
-        let failed = |error| ReadError::io(file, Place::Line(line), &error);
-        table.push(&row).map_err(failed)?;
         times.push(time);
     }
     if times.is_empty() {
@@ -188,7 +186,7 @@ fn data(
         ));
     }
     notices.extend(frames.notice(file));
-    table.finish(channels);
+    fill(channels, columns);
     Ok(times.into())
 }
 

@@ -8,7 +8,7 @@ use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Lines, Separator, is_gap, parse_number};
 use crate::units::bare;
-use crate::values::{Table, Values};
+use crate::values::{Values, fill};
 
 const TITLES: [&str; 6] = [
     "Trajectories",
@@ -121,7 +121,7 @@ fn section(
     let mut channels = headings(&names, &axes, &units);
     let mut frames = Frames::default();
     let mut at = Vec::new();
-    let mut table = Table::new(channels.len(), lines.budget());
+    let mut columns = vec![Vec::new(); channels.len()];
     let mut cells = Cells::default();
     while let Some((line, text)) = lines.next_line()? {
         cells.split(text, separator);
@@ -143,9 +143,9 @@ fn section(
         let frame = parse_number(cells.get(0))
             .map(|(frame, _)| frame)
             .ok_or_else(|| error(0))?;
-        let mut row = Vec::with_capacity(channels.len());
-        for k in 2..axes.len() {
-            row.push(match parse_number(cells.get(k)) {
+        lines.take_values(columns.len())?;
+        for (k, column) in (2..).zip(&mut columns) {
+            column.push(match parse_number(cells.get(k)) {
                 Some((value, _)) => value,
                 None if is_gap(cells.get(k)) => f64::NAN,
                 None => return Err(error(k)),
@@ -156,8 +156,6 @@ fn section(
             frame,
             parse_number(cells.get(1)).map_or(0.0, |(frame, _)| frame),
         ));
-        let failed = |error| ReadError::io(file, Place::Line(line), &error);
-        table.push(&row).map_err(failed)?;
     }
     if at.is_empty() {
         return Err(ReadError::new(
@@ -167,7 +165,7 @@ fn section(
         ));
     }
     notices.extend(frames.notice(file));
-    table.finish(&mut channels);
+    fill(&mut channels, columns);
     Ok(Series {
         name: format!("{} {title}", stem(file)),
         rows: at.len(),

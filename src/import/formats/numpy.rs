@@ -6,9 +6,9 @@
 use tautline_session::{Place, ReadError, quoted};
 
 use super::archive::Archive;
-use super::{over_budget, stem, whole};
+use super::{stem, whole};
 use crate::input::Input;
-use crate::memory::Lease;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
 
@@ -19,14 +19,13 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
         series: Vec::new(),
         notices: Vec::new(),
     };
-    let over = |over| over_budget(file, over);
-    let mut memory = input.budget().lease(0).map_err(over)?;
+    let budget = input.budget();
     if head.starts_with(b"\x93NUMPY") {
-        let (bytes, _memory) = whole(&mut input, file)?;
-        add(&mut source, "", &bytes, &mut memory)?;
+        let bytes = whole(&mut input, file)?;
+        add(&mut source, "", &bytes, budget)?;
     } else {
         let fail = |message: String| ReadError::new(file, Place::File, message);
-        let (bytes, _memory) = whole(&mut input, file)?;
+        let bytes = whole(&mut input, file)?;
         let archive = Archive::open(&bytes).map_err(fail)?;
         for name in archive.names() {
             let Some(array) = name.strip_suffix(".npy") else {
@@ -35,9 +34,8 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
                     .push(format!("{file}: {} left out: not an array", quoted(name)));
                 continue;
             };
-            let mut entry = input.budget().lease(0).map_err(over)?;
-            let bytes = archive.read(name, &mut entry).map_err(fail)?;
-            add(&mut source, array, &bytes.unwrap_or_default(), &mut memory)?;
+            let bytes = archive.read(name, &budget.temporary()).map_err(fail)?;
+            add(&mut source, array, &bytes.unwrap_or_default(), budget)?;
         }
     }
     if source.series.is_empty() {
@@ -69,8 +67,13 @@ struct Header {
     shape: Vec<usize>,
 }
 
-/// Adds an array to the series; its values are added to the lease.
-fn add(source: &mut Source, name: &str, bytes: &[u8], memory: &mut Lease) -> Result<(), ReadError> {
+/// Adds an array to the series. Its values count, since a byte may be a value, and entries of an archive may be the same bytes.
+fn add(
+    source: &mut Source,
+    name: &str,
+    bytes: &[u8],
+    budget: &MemoryBudget,
+) -> Result<(), ReadError> {
     let file = source.file.clone();
     let what = if name.is_empty() {
         String::new()
@@ -146,11 +149,11 @@ fn add(source: &mut Source, name: &str, bytes: &[u8], memory: &mut Lease) -> Res
                 (false, false) => (row * columns + part) * field.size,
             };
             let cell = |row: usize| data.get(at(row)..at(row) + field.size).unwrap_or_default();
-            let taken = memory.take_values::<f64>(rows);
+            let taken = budget.take((rows * field.size.max(size_of::<f64>())) as u64);
             taken.map_err(|over| fail(over.to_string()))?;
             match field.letter {
                 b'U' | b'S' => {
-                    let mut texts = FillingTexts::within(memory.budget());
+                    let mut texts = FillingTexts::default();
                     (0..rows).for_each(|row| texts.push(&text(field, cell(row))));
                     match texts.finish(&title) {
                         Ok(texts) => series.texts.push(texts),

@@ -8,11 +8,10 @@ use quick_xml::events::{BytesStart, Event};
 use tautline_session::ReadError;
 
 use super::fault::Fault;
-use super::workbook::{CELL, MAX_CELLS, MAX_COLUMNS, Workbook, padded};
+use super::workbook::{Grid, Workbook};
 use super::workbook_xml::{add_text, attribute, for_each_tag};
-use crate::memory::Lease;
+use crate::memory::MemoryBudget;
 use crate::source::{Format, Source};
-use crate::text::Cells;
 
 /// The part with all sheets.
 pub(super) const CONTENT: &str = "content.xml";
@@ -20,28 +19,22 @@ pub(super) const CONTENT: &str = "content.xml";
 const MANIFEST: &str = "META-INF/manifest.xml";
 
 pub(super) fn read(archive: &Workbook<'_>) -> Result<Source, ReadError> {
-    let mut book = archive.lease()?;
-    let manifest = archive.part(MANIFEST, &mut book)?.unwrap_or_default();
+    let manifest = archive.part(MANIFEST, archive.budget)?.unwrap_or_default();
     if manifest.contains("encryption-data") {
         return Err(archive.fail("is encrypted, expected a workbook without a password"));
     }
-    let text = archive.expected_part(CONTENT, &mut book)?;
+    let text = archive.expected_part(CONTENT)?;
     let kind = kind(&text).ok_or_else(|| archive.damaged(CONTENT))?;
     if !kind.is_spreadsheet {
         let message = "is a document without a spreadsheet, expected .ods, .xlsx or .npz";
         return Err(archive.fail(message));
     }
     let mut found = archive.sheets(Format::OpenDocument, kind.sheets);
-    let mut sheets = SheetReader {
-        reader: Reader::from_str(&text),
-        cells: 0,
-    };
+    let mut sheets = SheetReader(Reader::from_str(&text));
     loop {
-        // Of a sheet only its series is kept.
-        let mut memory = archive.lease()?;
-        let sheet = sheets.next_sheet(&mut memory);
+        let sheet = sheets.next_sheet(&archive.budget.temporary());
         match sheet.map_err(|fault| archive.refused(CONTENT, fault))? {
-            Some(sheet) => found.add(&sheet.name, &sheet.rows),
+            Some((name, grid)) => found.add(&name, CONTENT, grid)?,
             None => return found.finish(),
         }
     }
@@ -67,31 +60,19 @@ fn kind(text: &str) -> Option<Kind> {
     Some(kind)
 }
 
-/// A sheet with its numbered rows.
-struct Sheet {
-    name: String,
-    rows: Vec<(u64, Cells)>,
-}
-
 /// Reads one sheet after the other.
-struct SheetReader<'a> {
-    reader: Reader<&'a [u8]>,
-    /// Number of cells so far, including empty ones in between.
-    cells: usize,
-}
+struct SheetReader<'a>(Reader<&'a [u8]>);
 
 impl SheetReader<'_> {
-    /// The next sheet, whose memory is added to the lease; `None` after the last one.
-    fn next_sheet(&mut self, memory: &mut Lease) -> Result<Option<Sheet>, Fault> {
+    /// Name and rows of the next sheet; `None` after the last one.
+    fn next_sheet(&mut self, budget: &MemoryBudget) -> Result<Option<(String, Grid)>, Fault> {
         loop {
-            match self.reader.read_event().map_err(|_| Fault::Damaged)? {
+            match self.0.read_event().map_err(|_| Fault::Damaged)? {
                 // Of changes that are tracked, former cells are written first.
                 Event::Start(tag) if is_aside(&tag) => self.skip(&tag)?,
                 Event::Start(tag) if tag.local_name().as_ref() == b"table" => {
                     let name = attribute(&tag, "name").unwrap_or_default();
-                    let rows = self.rows(memory)?;
-                    let rows = padded(rows, memory)?;
-                    return Ok(Some(Sheet { name, rows }));
+                    return Ok(Some((name, self.rows(budget)?)));
                 }
                 Event::Eof => return Ok(None),
                 _ => {}
@@ -100,13 +81,12 @@ impl SheetReader<'_> {
     }
 
     /// The rows until the end of a sheet with their numbers.
-    fn rows(&mut self, memory: &mut Lease) -> Result<Vec<(u64, Vec<String>)>, Fault> {
-        let mut rows = Vec::new();
+    fn rows(&mut self, budget: &MemoryBudget) -> Result<Grid, Fault> {
+        let (mut grid, mut column) = (Grid::new(budget), 0);
         let (mut number, mut repeated) = (1_u64, 1_u64);
-        let mut row = Row::default();
         let mut cell = Cell::default();
         loop {
-            match self.reader.read_event().map_err(|_| Fault::Damaged)? {
+            match self.0.read_event().map_err(|_| Fault::Damaged)? {
                 Event::Start(tag) if is_aside(&tag) => self.skip(&tag)?,
                 Event::Start(tag) => match tag.local_name().as_ref() {
                     // A table in a cell is no part of the sheet.
@@ -118,22 +98,24 @@ impl SheetReader<'_> {
                 },
                 Event::Empty(tag) => match tag.local_name().as_ref() {
                     b"table-row" => number += times(&tag, "number-rows-repeated")?,
-                    b"table-cell" | b"covered-table-cell" => row.push(&Cell::of(&tag)?, memory)?,
+                    b"table-cell" | b"covered-table-cell" => {
+                        Cell::of(&tag)?.put(&mut grid, &mut column)?;
+                    }
                     name => cell.add_blank(name),
                 },
                 Event::End(tag) => match tag.local_name().as_ref() {
                     b"p" => cell.in_paragraph = false,
                     b"table-cell" | b"covered-table-cell" => {
-                        row.push(&std::mem::take(&mut cell), memory)?;
+                        std::mem::take(&mut cell).put(&mut grid, &mut column)?;
                     }
                     b"table-row" => {
-                        let cells = std::mem::take(&mut row).cells;
-                        if !cells.is_empty() {
-                            self.repeat(&cells, (number, repeated), &mut rows, memory)?;
+                        // Rows without a value may be a million at the end of a sheet.
+                        if !grid.cells.is_empty() {
+                            grid.end_row(number, repeated)?;
                         }
-                        number += repeated;
+                        (number, column) = (number + repeated, 0);
                     }
-                    b"table" => return Ok(rows),
+                    b"table" => return Ok(grid),
                     _ => {}
                 },
                 Event::Eof => return Err(Fault::Damaged),
@@ -147,29 +129,8 @@ impl SheetReader<'_> {
 
     /// Skips what is in a tag.
     fn skip(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
-        let skipped = self.reader.read_to_end(tag.name());
+        let skipped = self.0.read_to_end(tag.name());
         skipped.map(|_| ()).map_err(|_| Fault::Damaged)
-    }
-
-    /// Adds a row as often as it is repeated, from a number on.
-    fn repeat(
-        &mut self,
-        cells: &[String],
-        (number, repeated): (u64, u64),
-        rows: &mut Vec<(u64, Vec<String>)>,
-        memory: &mut Lease,
-    ) -> Result<(), Fault> {
-        let texts: usize = cells.iter().map(String::len).sum();
-        for number in number..number + repeated {
-            self.cells += cells.len();
-            if self.cells > MAX_CELLS {
-                return Err(Fault::Damaged);
-            }
-            memory.take((cells.len() * CELL + texts) as u64)?;
-            memory.take_values::<(u64, Cells)>(2)?;
-            rows.push((number, cells.to_vec()));
-        }
-        Ok(())
     }
 }
 
@@ -186,35 +147,6 @@ fn times(tag: &BytesStart<'_>, name: &str) -> Result<u64, Fault> {
     };
     let count: u32 = count.parse().map_err(|_| Fault::Damaged)?;
     Ok(u64::from(count).max(1))
-}
-
-/// A row that is being read.
-#[derive(Default)]
-struct Row {
-    cells: Vec<String>,
-    /// Empty cells since the last one with a value.
-    empty: usize,
-}
-
-impl Row {
-    /// Adds a cell as often as it is repeated; empty ones only before one with a value.
-    fn push(&mut self, cell: &Cell, memory: &mut Lease) -> Result<(), Fault> {
-        let shown = cell.shown();
-        if shown.is_empty() {
-            self.empty = self.empty.saturating_add(cell.repeated);
-            return Ok(());
-        }
-        let width = (self.cells.len().saturating_add(self.empty)).saturating_add(cell.repeated);
-        if width > MAX_COLUMNS {
-            return Err(Fault::Damaged);
-        }
-        let added = width - self.cells.len();
-        memory.take((added * CELL + cell.repeated * shown.len()) as u64)?;
-        self.cells.resize(width - cell.repeated, String::new());
-        self.cells.resize(width, shown);
-        self.empty = 0;
-        Ok(())
-    }
 }
 
 /// A cell that is being read.
@@ -264,12 +196,14 @@ impl Cell {
         }
     }
 
-    fn shown(&self) -> String {
-        match (self.is_void, &self.value) {
-            (true, _) => String::new(),
-            (false, Some(value)) => value.clone(),
-            (false, None) => self.text.clone(),
+    /// Adds it to a row as often as it is repeated; empty ones only before one with a value.
+    fn put(self, grid: &mut Grid, column: &mut usize) -> Result<(), Fault> {
+        let shown = self.value.unwrap_or(self.text);
+        if !(self.is_void || shown.is_empty()) {
+            grid.put(*column, self.repeated, shown)?;
         }
+        *column = column.saturating_add(self.repeated);
+        Ok(())
     }
 }
 

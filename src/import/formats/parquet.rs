@@ -4,7 +4,7 @@ use std::fs::File;
 
 use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::{ByteArray, DataType};
+use parquet::data_type::{AsBytes, ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
@@ -12,13 +12,14 @@ use tautline_session::{Place, ReadError, quoted, read_damaged};
 
 use super::{HAS_MORE_FORMATS, LEFT_OUT, over_budget, stem};
 use crate::input::Input;
-use crate::memory::MemoryBudget;
-use crate::source::{Channel, FillingTexts, Format, Series, Source};
+use crate::memory::{MemoryBudget, OverBudget};
+use crate::source::{Filling, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
-use crate::values::{Filling, Storage};
 
 /// Rows that are decoded at a time.
 const ROWS: usize = 1 << 13;
+/// Bytes of a value of a channel, and at least of a text.
+const VALUE: usize = size_of::<f64>();
 
 /// A column of the file with its destination.
 struct Column {
@@ -28,12 +29,8 @@ struct Column {
     level: i16,
     name: String,
     unit: Option<String>,
-    cells: Filled,
-}
-
-enum Filled {
-    Numbers(Filling, Scale),
-    Texts(FillingTexts),
+    scale: Scale,
+    cells: Filling,
 }
 
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
@@ -67,6 +64,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let damaged = |error: ParquetError| {
         let message = match error {
             ParquetError::NYI(what) => format!("uses an unsupported feature ({what})"),
+            ParquetError::External(error) if error.is::<OverBudget>() => error.to_string(),
             error => format!("is damaged, expected Parquet ({error})"),
         };
         ReadError::new(file, Place::File, message)
@@ -75,8 +73,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let over = |over| over_budget(file, over);
     let reader = SerializedFileReader::new(input.file().map_err(io)?).map_err(damaged)?;
     let mut notices = Vec::new();
-    let mut columns = columns(&reader, input.budget(), file, &mut notices);
-    let mut storage = Storage::within(input.budget());
+    let mut columns = columns(&reader, file, &mut notices);
     let mut rows = 0;
     for number in 0..reader.num_row_groups() {
         let group = reader.get_row_group(number).map_err(damaged)?;
@@ -87,14 +84,9 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
                 .map_err(|message| ReadError::new(file, Place::File, message))?;
             // Pages are decompressed as a whole.
             let content = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
-            let _memory = input.budget().lease(content).map_err(over)?;
+            input.budget().temporary().take(content).map_err(over)?;
             let cells = group.get_column_reader(column.number).map_err(damaged)?;
-            let read = column
-                .fill(cells, &mut storage)
-                .map_err(|error| match error {
-                    Failed::Parquet(error) => damaged(error),
-                    Failed::Io(error) => io(error),
-                })?;
+            let read = column.fill(cells, input.budget()).map_err(damaged)?;
             if read != count {
                 let name = quoted(&column.name);
                 let (found, expected) = (rows + read, rows + count);
@@ -117,21 +109,10 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         rows,
         ..Series::default()
     };
-    for Column {
-        name, unit, cells, ..
-    } in columns
-    {
-        match cells {
-            Filled::Numbers(values, _) => series.channels.push(Channel {
-                name,
-                unit,
-                values: values.finish(),
-            }),
-            Filled::Texts(texts) => match texts.finish(&name) {
-                Ok(texts) => series.texts.push(texts),
-                Err(why) => notices.push(format!("{file}, column {}: {why}", quoted(&name))),
-            },
-        }
+    for column in columns {
+        let place = format!("{file}, column {}", quoted(&column.name));
+        let added = series.add(column.name, column.unit, column.cells);
+        notices.extend(added.err().map(|why| format!("{place}: {why}")));
     }
     Ok(Source {
         file: file.into(),
@@ -144,7 +125,6 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
 /// The columns to read; the others are reported in notices.
 fn columns(
     reader: &SerializedFileReader<File>,
-    budget: &MemoryBudget,
     file: &str,
     notices: &mut Vec<String>,
 ) -> Vec<Column> {
@@ -169,14 +149,16 @@ fn columns(
                     Scale::Time(_) => Some("s".to_owned()),
                     _ => stated,
                 },
-                cells: Filled::Numbers(Filling::default(), scale),
+                scale,
+                cells: Filling::Numbers(Vec::new()),
             }),
             Content::Texts => columns.push(Column {
                 number,
                 level: descriptor.max_def_level(),
                 name: path,
                 unit: None,
-                cells: Filled::Texts(FillingTexts::within(budget)),
+                scale: Scale::Plain,
+                cells: Filling::Texts(FillingTexts::default()),
             }),
             Content::Other => leave_out("neither numbers nor text"),
         }
@@ -250,50 +232,35 @@ impl Content {
     }
 }
 
-enum Failed {
-    Parquet(ParquetError),
-    Io(std::io::Error),
-}
-
-impl From<ParquetError> for Failed {
-    fn from(error: ParquetError) -> Self {
-        Self::Parquet(error)
-    }
-}
-
 impl Column {
     /// Adds the cells of a row group and returns their number.
-    fn fill(&mut self, reader: ColumnReader, storage: &mut Storage) -> Result<usize, Failed> {
-        let level = self.level;
+    fn fill(&mut self, reader: ColumnReader, budget: &MemoryBudget) -> Result<usize, ParquetError> {
+        let (level, scale) = (self.level, self.scale);
         match (&mut self.cells, reader) {
-            (Filled::Texts(texts), ColumnReader::ByteArrayColumnReader(reader)) => {
-                each(reader, level, |cell: Option<&ByteArray>| {
+            (Filling::Texts(texts), ColumnReader::ByteArrayColumnReader(reader)) => {
+                each(reader, level, budget, |cell: Option<&ByteArray>| {
                     let bytes = cell.map_or(&[][..], ByteArray::data);
                     texts.push(&String::from_utf8_lossy(bytes));
-                    Ok(())
                 })
             }
-            (Filled::Numbers(values, scale), reader) => {
-                let scale = *scale;
-                let mut push = |number: f64| storage.push(values, number);
+            (Filling::Numbers(values), reader) => {
+                let mut push = |number: Option<f64>| values.push(number.unwrap_or(f64::NAN));
                 use ColumnReader as C;
                 match reader {
-                    C::BoolColumnReader(reader) => each(reader, level, |cell| {
-                        push(cell.map_or(f64::NAN, |on| f64::from(u8::from(*on))))
+                    C::BoolColumnReader(reader) => each(reader, level, budget, |cell| {
+                        push(cell.map(|on| u8::from(*on).into()));
                     }),
-                    C::Int32ColumnReader(reader) => each(reader, level, |cell| {
-                        push(cell.map_or(f64::NAN, |n| {
-                            scale.integer(i64::from(*n), u64::from(n.cast_unsigned()))
-                        }))
+                    C::Int32ColumnReader(reader) => each(reader, level, budget, |cell| {
+                        push(cell.map(|n| scale.integer((*n).into(), n.cast_unsigned().into())));
                     }),
-                    C::Int64ColumnReader(reader) => each(reader, level, |cell| {
-                        push(cell.map_or(f64::NAN, |n| scale.integer(*n, n.cast_unsigned())))
+                    C::Int64ColumnReader(reader) => each(reader, level, budget, |cell| {
+                        push(cell.map(|n| scale.integer(*n, n.cast_unsigned())));
                     }),
-                    C::FloatColumnReader(reader) => each(reader, level, |cell| {
-                        push(cell.map_or(f64::NAN, |n| f64::from(*n)))
+                    C::FloatColumnReader(reader) => each(reader, level, budget, |cell| {
+                        push(cell.map(|n| f64::from(*n)));
                     }),
-                    C::DoubleColumnReader(reader) => each(reader, level, |cell| {
-                        push(cell.copied().unwrap_or(f64::NAN))
+                    C::DoubleColumnReader(reader) => each(reader, level, budget, |cell| {
+                        push(cell.copied());
                     }),
                     _ => Ok(0),
                 }
@@ -307,8 +274,9 @@ impl Column {
 fn each<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     level: i16,
-    mut visit: impl FnMut(Option<&T::T>) -> std::io::Result<()>,
-) -> Result<usize, Failed> {
+    budget: &MemoryBudget,
+    mut visit: impl FnMut(Option<&T::T>),
+) -> Result<usize, ParquetError> {
     let mut count = 0;
     let (mut levels, mut values) = (Vec::new(), Vec::new());
     loop {
@@ -319,11 +287,16 @@ fn each<T: DataType>(
             return Ok(count);
         }
         count += records;
+        // A page has a run of equal values once, and of a text what differs from the one before.
+        let sizes = values.iter().map(|value| value.as_bytes().len());
+        let longer: usize = sizes.map(|size| size.saturating_sub(VALUE)).sum();
+        let taken = budget.take((records * VALUE + longer) as u64);
+        taken.map_err(|over| ParquetError::External(Box::new(over)))?;
         let mut values = values.iter();
         for row in 0..records {
             let is_there = level == 0 || levels.get(row) == Some(&level);
             let cell = is_there.then(|| values.next()).flatten();
-            visit(cell).map_err(Failed::Io)?;
+            visit(cell);
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Decimal, Lines, Separator, is_gap, parse_number, parse_timestamp};
 use crate::units::split_heading;
-use crate::values::{Filling, Storage, Values};
+use crate::values::Values;
 
 /// Most lines before the data.
 const HEADER_LINES: usize = 200;
@@ -25,10 +25,11 @@ struct Header {
     scaled: Vec<String>,
 }
 
-/// Time or sample, and value, of one channel.
-struct Pairs<V> {
-    at: V,
-    values: V,
+/// Times or samples, and values, of one channel.
+#[derive(Clone, Default)]
+struct Pairs {
+    at: Vec<f64>,
+    values: Vec<f64>,
 }
 
 pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, ReadError> {
@@ -127,14 +128,9 @@ fn data(
     separator: Separator,
     header: &Header,
     notices: &mut Vec<String>,
-) -> Result<Vec<Pairs<Values>>, ReadError> {
+) -> Result<Vec<Pairs>, ReadError> {
     let file = lines.file();
-    let filling = |_| Pairs {
-        at: Filling::default(),
-        values: Filling::default(),
-    };
-    let mut storage = Storage::within(lines.budget());
-    let mut channels: Vec<Pairs<Filling>> = header.names.iter().map(filling).collect();
+    let mut channels = vec![Pairs::default(); header.names.len()];
     let mut cells = Cells::default();
     let mut ended = false;
     let mut unread = 0_usize;
@@ -186,10 +182,8 @@ fn data(
                 let message = "found decimal points and decimal commas, expected one of the two";
                 return Err(ReadError::new(file, place(), message));
             }
-            let stored = storage
-                .push(&mut channel.at, time)
-                .and_then(|()| storage.push(&mut channel.values, value));
-            stored.map_err(|error| ReadError::io(file, Place::Line(line), &error))?;
+            channel.at.push(time);
+            channel.values.push(value);
         }
     }
     if !ended {
@@ -198,18 +192,14 @@ fn data(
     if unread > 0 {
         notices.push(format!("{file}: {unread} cells of its last row left out"));
     }
-    if channels.iter().all(|channel| channel.at.len() == 0) {
+    if channels.iter().all(|channel| channel.at.is_empty()) {
         return Err(ReadError::new(
             file,
             Place::File,
             "found channels without samples, expected rows of data",
         ));
     }
-    let filled = channels.into_iter().map(|pairs| Pairs {
-        at: pairs.at.finish(),
-        values: pairs.values.finish(),
-    });
-    Ok(filled.collect())
+    Ok(channels)
 }
 
 /// Whether a cell without a number is the last of its line.
@@ -218,7 +208,7 @@ fn lines_end(text: &str, cell: &str) -> bool {
 }
 
 /// Channels with the same times become one series.
-fn by_time(channels: Vec<Pairs<Values>>, header: &Header, stem: &str) -> Vec<Series> {
+fn by_time(channels: Vec<Pairs>, header: &Header, stem: &str) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for (k, pairs) in channels.into_iter().enumerate() {
         if pairs.at.is_empty() {
@@ -228,7 +218,7 @@ fn by_time(channels: Vec<Pairs<Values>>, header: &Header, stem: &str) -> Vec<Ser
         let channel = Channel {
             name,
             unit: header.units[k].clone().or(unit),
-            values: pairs.values,
+            values: pairs.values.into(),
         };
         let time_s = seconds(&pairs.at, header.sample_ms[k]);
         match series
@@ -256,7 +246,7 @@ fn by_time(channels: Vec<Pairs<Values>>, header: &Header, stem: &str) -> Vec<Ser
 }
 
 /// Times (s) from the first cell of each pair: sample number, or time in milliseconds.
-fn seconds(at: &Values, sample_ms: Option<f64>) -> Values {
+fn seconds(at: &[f64], sample_ms: Option<f64>) -> Values {
     let counts = at
         .iter()
         .zip(at.iter().skip(1))

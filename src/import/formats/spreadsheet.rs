@@ -14,13 +14,12 @@ use crate::source::Source;
 
 /// Reads a workbook of either format.
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let budget = input.budget().clone();
-    let (bytes, _memory) = whole(&mut input, file)?;
+    let bytes = whole(&mut input, file)?;
     let archive = Archive::open(&bytes);
     let book = Workbook {
         file,
         archive: archive.map_err(|message| ReadError::new(file, Place::File, message))?,
-        budget: &budget,
+        budget: input.budget(),
     };
     if book.has(excel::WORKBOOK) {
         return excel::read(&book);

@@ -7,9 +7,8 @@ use std::collections::BTreeMap;
 
 use tautline_session::{Place, ReadError, quoted};
 
-use super::{over_budget, stem, whole};
+use super::{stem, whole};
 use crate::input::Input;
-use crate::memory::{Lease, OverBudget};
 use crate::source::{Channel, Format, Series, Source};
 
 /// First bytes of a segment.
@@ -42,22 +41,13 @@ mod content {
 enum Fault {
     Damaged(&'static str),
     Refused(String),
-    Large(OverBudget),
-}
-
-impl From<OverBudget> for Fault {
-    fn from(over: OverBudget) -> Self {
-        Self::Large(over)
-    }
 }
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let (bytes, _memory) = whole(&mut input, file)?;
-    let memory = input.budget().lease(0);
+    let bytes = whole(&mut input, file)?;
     let mut recording = Recording {
         objects: Vec::new(),
         active: Vec::new(),
-        memory: memory.map_err(|over| over_budget(file, over))?,
         notices: Vec::new(),
     };
     let fail = |message: String| ReadError::new(file, Place::File, message);
@@ -71,7 +61,6 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
             return Err(fail(format!("is damaged ({what}), expected TDMS")));
         }
         Err(Fault::Refused(message)) => return Err(fail(message)),
-        Err(Fault::Large(over)) => return Err(over_budget(file, over)),
     }
     let (series, notices) = recording.finish(&stem(file));
     if series.is_empty() {
@@ -206,7 +195,6 @@ struct Recording {
     objects: Vec<Object>,
     /// Objects with raw data in the current segment, in their order.
     active: Vec<usize>,
-    memory: Lease,
     notices: Vec<String>,
 }
 
@@ -355,7 +343,6 @@ impl Recording {
                 self.objects[*place].has_texts = true;
                 continue;
             };
-            self.memory.take_values::<f64>(2 * (length / size))?;
             let numbers = own
                 .chunks_exact(size)
                 .map(|value| index.kind.number(value, big_endian));
@@ -375,8 +362,6 @@ impl Recording {
             indices.iter().map(|(_, index)| index.kind.size()).collect();
         let sizes = sizes.ok_or(Fault::Damaged("interleaved texts"))?;
         let row = sizes.iter().sum::<usize>();
-        self.memory
-            .take_values::<f64>(2 * indices.len() * (bytes.len() / row))?;
         for mut values in bytes.chunks_exact(row) {
             for ((place, index), size) in indices.iter().zip(&sizes) {
                 let (own, rest) = values.split_at(*size);

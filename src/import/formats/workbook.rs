@@ -5,17 +5,18 @@ use tautline_session::{Place, ReadError, quoted};
 use super::archive::Archive;
 use super::fault::Fault;
 use super::{over_budget, stem};
-use crate::memory::{Lease, MemoryBudget};
+use crate::memory::MemoryBudget;
 use crate::source::{Format, Source};
 use crate::table::read_rows;
 use crate::text::Cells;
 
 /// Maximum number of columns of a sheet, as in Excel and LibreOffice.
-pub(super) const MAX_COLUMNS: usize = 16_384;
-/// Maximum number of cells, including empty ones in between.
-pub(super) const MAX_CELLS: usize = 50_000_000;
+const MAX_COLUMNS: usize = 16_384;
 /// Memory of a cell besides its text: its string, its range in the row, and the smallest block that the system allocates.
-pub(super) const CELL: usize = size_of::<String>() + size_of::<(usize, usize)>() + 32;
+const CELL: usize = size_of::<String>() + size_of::<(usize, usize)>() + 32;
+
+/// Memory of a row besides its cells, before and after it becomes one of a table.
+const ROW: u64 = 2 * size_of::<(u64, Cells)>() as u64;
 
 /// The archive of a workbook.
 pub(super) struct Workbook<'a> {
@@ -44,15 +45,9 @@ impl Workbook<'_> {
         self.archive.names().iter().any(|name| name == part)
     }
 
-    /// A lease of nothing yet.
-    pub fn lease(&self) -> Result<Lease, ReadError> {
-        let lease = self.budget.lease(0);
-        lease.map_err(|over| over_budget(self.file, over))
-    }
-
-    /// The text of a part, whose memory is added to a lease; `None` if there is no such part.
-    pub fn part(&self, name: &str, memory: &mut Lease) -> Result<Option<String>, ReadError> {
-        let bytes = self.archive.read(name, memory);
+    /// The text of a part, which counts in a budget; `None` if there is no such part.
+    pub fn part(&self, name: &str, budget: &MemoryBudget) -> Result<Option<String>, ReadError> {
+        let bytes = self.archive.read(name, budget);
         let Some(bytes) = bytes.map_err(|message| self.fail(message))? else {
             return Ok(None);
         };
@@ -62,8 +57,9 @@ impl Workbook<'_> {
     }
 
     /// The text of a part without which there is no workbook.
-    pub fn expected_part(&self, name: &str, memory: &mut Lease) -> Result<String, ReadError> {
-        self.part(name, memory)?.ok_or_else(|| self.damaged(name))
+    pub fn expected_part(&self, name: &str) -> Result<String, ReadError> {
+        self.part(name, self.budget)?
+            .ok_or_else(|| self.damaged(name))
     }
 
     /// What so many sheets become.
@@ -99,27 +95,34 @@ impl Sheets<'_> {
         self.source.notices.push(notice);
     }
 
-    /// A sheet with its numbered rows.
-    pub fn add(&mut self, name: &str, rows: &[(u64, Cells)]) {
+    /// A sheet of a part with its rows, of which only the series counts further on.
+    pub fn add(&mut self, name: &str, part: &str, grid: Grid) -> Result<(), ReadError> {
+        let rows = grid.finish();
+        let rows = rows.map_err(|fault| self.book.refused(part, fault))?;
         let Workbook { file, budget, .. } = self.book;
         let notices = &mut self.source.notices;
         let place = format!("{file}, sheet {}", quoted(name));
         if rows.is_empty() {
             notices.push(format!("{place}: empty"));
-            return;
+            return Ok(());
         }
         let title = match self.count {
             1 => stem(file),
             _ => format!("{} {name}", stem(file)),
         };
-        match read_rows(&place, &title, rows, budget, notices) {
-            Ok(series) => self.source.series.push(series),
+        match read_rows(&place, &title, &rows, notices) {
+            Ok(series) => {
+                let taken = budget.take(series.bytes());
+                taken.map_err(|over| over_budget(file, over))?;
+                self.source.series.push(series);
+            }
             // A sheet of notes beside the readings is no reason to refuse them.
             Err(error) => {
                 notices.push(format!("{error}: sheet left out"));
                 self.refusal.get_or_insert(error);
             }
         }
+        Ok(())
     }
 
     pub fn finish(self) -> Result<Source, ReadError> {
@@ -134,25 +137,68 @@ impl Sheets<'_> {
     }
 }
 
-/// Numbered rows as a table: without empty ones, and from the first of full width on all as wide as that. The memory of cells
-/// that are added is added to the lease.
-pub(super) fn padded(
+/// Rows of a sheet while they are read. Cells count, since a few bytes of a part may stand for many of them.
+pub(super) struct Grid {
+    budget: MemoryBudget,
+    /// Cells of the current row.
+    pub cells: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,
-    memory: &mut Lease,
-) -> Result<Vec<(u64, Cells)>, Fault> {
-    let width = rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0);
-    let filled = rows
-        .into_iter()
-        .filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()));
-    // Empty cells at the end of a row are not stored; titles may precede the table.
-    let mut in_table = false;
-    let padded = filled.map(|(number, mut cells)| {
-        in_table |= cells.len() == width;
-        if in_table {
-            memory.take(((width - cells.len()) * CELL) as u64)?;
-            cells.resize(width, String::new());
+}
+
+impl Grid {
+    pub fn new(budget: &MemoryBudget) -> Self {
+        Self {
+            budget: budget.clone(),
+            cells: Vec::new(),
+            rows: Vec::new(),
         }
-        Ok((number, Cells::from_texts(&cells)))
-    });
-    padded.collect()
+    }
+
+    /// Puts a text into `count` cells of the row; cells before them that were left out are empty.
+    pub fn put(&mut self, column: usize, count: usize, text: String) -> Result<(), Fault> {
+        let end = column.saturating_add(count);
+        if end > MAX_COLUMNS {
+            return Err(Fault::Damaged);
+        }
+        let width = end.max(self.cells.len());
+        let added = width - self.cells.len();
+        self.budget
+            .take((added * CELL + count * text.len()) as u64)?;
+        self.cells.resize(width, String::new());
+        self.cells[column..end].fill(text);
+        Ok(())
+    }
+
+    /// Ends a row that is there `count` times, with numbers from `first` on.
+    pub fn end_row(&mut self, first: u64, count: u64) -> Result<(), Fault> {
+        let cells = std::mem::take(&mut self.cells);
+        let of_cells = cells.iter().map(|cell| CELL + cell.len()).sum::<usize>() as u64;
+        // The cells of one row are counted already.
+        let all = (ROW + of_cells).saturating_mul(count);
+        self.budget.take(all - of_cells)?;
+        let numbers = (0..count).map(|k| first.saturating_add(k));
+        self.rows
+            .extend(numbers.map(|number| (number, cells.clone())));
+        Ok(())
+    }
+
+    /// The numbered rows as a table: without empty ones, and from the first of full width on all as wide as that.
+    fn finish(self) -> Result<Vec<(u64, Cells)>, Fault> {
+        let Self { budget, rows, .. } = self;
+        let width = rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0);
+        let filled = rows
+            .into_iter()
+            .filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()));
+        // Empty cells at the end of a row are not stored; titles may precede the table.
+        let mut in_table = false;
+        let padded = filled.map(|(number, mut cells)| {
+            in_table |= cells.len() == width;
+            if in_table {
+                budget.take(((width - cells.len()) * CELL) as u64)?;
+                cells.resize(width, String::new());
+            }
+            Ok((number, Cells::from_texts(&cells)))
+        });
+        padded.collect()
+    }
 }

@@ -123,7 +123,7 @@ struct Body<'a> {
     order: Option<AngleOrder>,
 }
 
-/// Adds components to the body of this owner.
+/// Adds components to the body of this owner: its position, its quaternion, or from 7 on angles about x, y, z.
 fn add<'a>(bodies: &mut Vec<Body<'a>>, owner: String, origin: Origin, components: Components<'a>) {
     let known = bodies
         .iter_mut()
@@ -143,8 +143,12 @@ fn add<'a>(bodies: &mut Vec<Body<'a>>, owner: String, origin: Origin, components
         }
     };
     for (index, channel) in components {
-        if body.components.iter().all(|(known, _)| *known != index) {
-            body.components.push((index, channel));
+        let of = match index {
+            0..7 => &mut body.components,
+            _ => &mut body.angles,
+        };
+        if of.iter().all(|(known, _)| *known != index % 7) {
+            of.push((index % 7, channel));
         }
     }
 }
@@ -198,7 +202,9 @@ fn vectors(series: &Series) -> Vec<(Origin, Components<'_>)> {
     let names = series.channels.iter().map(|channel| channel.name.as_str());
     for family in families(names) {
         let channels = members(series, &family);
-        let words = words_of(&family.pattern.replacen("{i}", "", 1));
+        // `S.pose(:,1)` is in a struct.
+        let leaf = family.pattern.rsplit('.').next().unwrap_or_default();
+        let words = words_of(&leaf.replacen("{i}", "", 1));
         let is_pose = !words.is_empty()
             && words
                 .iter()
@@ -220,6 +226,8 @@ fn vectors(series: &Series) -> Vec<(Origin, Components<'_>)> {
         };
         let places: Option<Vec<usize>> = match channels.len() {
             4 => rotation(&channels).map(|places| places.to_vec()),
+            // The rotation of a tool (TCP) of an industrial robot is a rotation vector.
+            6 if is_vector && !is_any(&words, &["tcp"]) => Some(vec![0, 1, 2, 7, 8, 9]),
             3 | 6 if is_vector => Some(vec![0, 1, 2]),
             7 if is_vector => {
                 rotation(&channels[3..]).map(|places| [&[0, 1, 2], &places[..]].concat())

@@ -53,10 +53,10 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
     let words = words_of(&first.name);
     let is_component = |word: Option<&String>| word.is_some_and(|word| is_axis(word));
     let is_derivative = words.iter().any(|word| word.ends_with("dot"));
-    // `Axis1.Status.ActPos` is not a status.
-    let leaf = first.name.rsplit('.').next().unwrap_or_default();
+    // `Axis1.Status.ActPos` is not a status; `exp.F` is a force.
+    let leaf = words_of(first.name.rsplit('.').next().unwrap_or_default());
     if is_any(&words, OTHER)
-        || is_any(&words_of(leaf), STATES)
+        || is_any(&leaf, STATES)
         || is_derivative
         || is_wanted(&words)
         || is_component(words.first())
@@ -66,9 +66,9 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
     {
         return None;
     }
-    let (named, by_values) = match named_kind(&words) {
+    let (named, by_values) = match named_kind(&words).or_else(|| named_kind(&leaf)) {
         // Torques and temperatures are called `T` as well.
-        None if words == ["t"] && are_tensions(channels) => (Some(Kind::Force), true),
+        None if leaf == ["t"] && are_tensions(channels) => (Some(Kind::Force), true),
         named => (named, false),
     };
     let dimension = match first.unit.as_deref() {

@@ -7,6 +7,32 @@ use crate::coverage::channel_names;
 use crate::source::{Series, Source};
 
 impl Assignment {
+    /// As [`Self::parse`], for channels with names in place of numbers, too: `length_{i}_m=belt_{tl,tr,br,bl} [mm]`.
+    ///
+    /// # Errors
+    /// Those of [`Self::parse`], for the first name that has one.
+    pub fn parse_each(text: &str, sources: &[Source]) -> Result<Vec<Self>, String> {
+        let list = || {
+            let (column, channel) = text.split_once('=')?;
+            let (before, rest) = channel.split_once('{')?;
+            let (names, after) = rest
+                .split_once('}')
+                .filter(|(list, _)| list.contains(','))?;
+            let line = |(k, name): (usize, &str)| {
+                let column = column.replacen("{i}", &(k + 1).to_string(), 1);
+                format!("{column}={before}{}{after}", name.trim())
+            };
+            Some(names.split(',').enumerate().map(line).collect::<Vec<_>>())
+        };
+        match (Self::parse(text, sources), list()) {
+            (Err(_), Some(lines)) => lines
+                .iter()
+                .map(|line| Self::parse(line, sources))
+                .collect(),
+            (whole, _) => whole.map(|one| vec![one]),
+        }
+    }
+
     /// Reads `COLUMN=CHANNEL [UNIT]` with `{i}` for the number of the cable, which the channels may count from 0.
     ///
     /// # Errors
@@ -116,6 +142,20 @@ mod tests {
         assert_eq!(parse("x_m=x[3]"), Ok(Assignment::new("x[3]", "x_m")));
         let counts = parse("rev_1=theta(:,1) [rev/4096]").expect("an assignment");
         assert_eq!(counts.unit.as_deref(), Some("rev/4096"));
+    }
+
+    #[test]
+    fn names_may_stand_in_place_of_numbers() {
+        let each = |text: &str| Assignment::parse_each(text, &sources());
+        let named = each("force_{i}_n={LDS, x[3]} [kN]").expect("two");
+        let named: Vec<_> = named
+            .iter()
+            .map(|one| (&*one.channel, &*one.quantity))
+            .collect();
+        assert_eq!(named, [("LDS", "force_1_n"), ("x[3]", "force_2_n")]);
+        assert_eq!(each("x_m=x[3]"), Ok(vec![Assignment::new("x[3]", "x_m")]));
+        let unknown = each("force_{i}_n=F{0,7}").expect_err("no F7");
+        assert!(unknown.starts_with("found no channel \"F7\""), "{unknown}");
     }
 
     #[test]

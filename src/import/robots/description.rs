@@ -1,11 +1,14 @@
 //! What descriptions of robots state, and what they leave to be assumed.
 
-use tautline_core::geometry::Coordinate;
+use nalgebra::UnitQuaternion;
+use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::robot::{
-    Cable, CableMaterial, FrameTransform, Home, Limits, PartTolerances, PerAxis, Platform, Pulley,
-    Robot, Winch,
+    Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
 use tautline_session::{Loaded, Place, ReadError, VersionedFile};
+
+use super::dialect::ForeignRobot;
+use super::settings::Settings;
 
 /// Default standard deviation of a length reading (m): what good winches reach.
 const LENGTH_SD_M: f64 = 1e-3;
@@ -56,15 +59,54 @@ pub(super) fn cable_of(
     }
 }
 
+/// A pose in which angles about the fixed axes x, y, z follow each other (m, rad): roll, pitch, yaw of URDF and SDF.
+pub(super) fn pose_of(position_m: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
+    Pose {
+        position: position_m.into(),
+        orientation: UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    }
+}
+
+/// The pose in the base of what has the pose `inner` in a frame.
+pub(super) fn in_frame(frame: &Pose, inner: &Pose) -> Pose {
+    Pose {
+        position: frame.transform(&inner.position),
+        orientation: frame.orientation * inner.orientation,
+    }
+}
+
+/// Numbers as they are written in a new text.
+pub(super) fn list(values: &[f64], separator: &str) -> String {
+    let texts: Vec<String> = values.iter().map(|value| format!("{value:.9}")).collect();
+    texts.join(separator)
+}
+
+/// A name as it is written in an attribute of XML.
+pub(super) fn escaped(name: &str) -> String {
+    let name = name.replace('&', "&amp;").replace('"', "&quot;");
+    name.replace('<', "&lt;")
+}
+
 /// A home pose with the default standard deviations.
-pub(super) fn home_at(pose: FrameTransform) -> Home {
+pub(super) fn home_at(pose: &Pose) -> Home {
     Home {
-        position_m: pose.position_m,
-        orientation_wxyz: pose.orientation_wxyz,
+        position_m: pose.position.into(),
+        orientation_wxyz: pose.orientation_wxyz(),
         position_sd_m: POSITION_SD_M,
         orientation_sd_rad: ROTATION_SD_RAD,
         covariance: None,
     }
+}
+
+/// Radius of gyration of a platform whose inertia is unknown (m): simulators need one.
+const GYRATION_M: f64 = 0.03;
+
+/// The inertia of a platform of known mass, in the order of [`Platform::inertia_kg_m2`].
+pub(super) fn inertia_of(platform: &Platform, mass_kg: f64) -> [f64; 6] {
+    let least = mass_kg * GYRATION_M * GYRATION_M;
+    platform
+        .inertia_kg_m2
+        .unwrap_or([least, least, least, 0.0, 0.0, 0.0])
 }
 
 /// `CoGiRo` of `models/CoGiRo_cables.xml`.
@@ -73,6 +115,18 @@ fn name_of(file: &str) -> String {
         .file_stem()
         .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
+}
+
+/// Entry points are known across the plane in which a platform moves: nothing depends on them.
+pub(super) fn know_normal_to_plane(platform: &Platform, cables: &mut [Cable]) {
+    let axes = [Coordinate::X, Coordinate::Y, Coordinate::Z];
+    let moves = axes.map(|axis| platform.free.contains(&axis));
+    if moves.iter().filter(|moves| **moves).count() == 2 {
+        let sd = PerAxis::Each(moves.map(|moves| (!moves).then_some(0.0)));
+        for cable in cables {
+            cable.pulley.entry_point_sd_m = sd;
+        }
+    }
 }
 
 /// What descriptions state of a robot.
@@ -88,20 +142,66 @@ pub(super) struct Description {
 impl Description {
     /// A point that cables of known winches move along some coordinates, whose revolutions may count from the origin.
     pub(super) fn of_point(cables: Vec<Cable>, free: &[Coordinate], is_homed: bool) -> Self {
-        let origin = FrameTransform {
-            position_m: [0.0; 3],
-            orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
-        };
         let mut platform = Platform::spatial(None);
         platform.free = free.to_vec();
         Self {
             platform,
             cables,
-            home: is_homed.then(|| home_at(origin)),
+            home: is_homed.then(|| home_at(&Pose::identity())),
             limits: None,
             has_winches: true,
         }
     }
+}
+
+/// The robot of a simulator, whose platform has its home pose in the file.
+pub(super) fn simulated(
+    platform: Platform,
+    cables: Vec<Cable>,
+    home: &Pose,
+    mut notices: Vec<String>,
+    settings: Settings<'_>,
+) -> Result<ForeignRobot, ReadError> {
+    let file = settings.file;
+    notices.insert(0, format!("{file}: the pose of the platform in the file is the home pose; state \"home\": null in robot.json if cable lengths are absolute"));
+    let description = Description {
+        platform,
+        cables,
+        home: Some(home_at(home)),
+        limits: None,
+        has_winches: false,
+    };
+    let read = robot_of(file, description, notices)?;
+    Ok(ForeignRobot::new(read, settings.parameters))
+}
+
+/// Names of the inertia in the order of [`Platform::inertia_kg_m2`].
+pub(super) const INERTIA: [&str; 6] = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"];
+
+/// A new text from its beginning, its part for each cable and its end, with the robot's values for the words in braces.
+pub(super) fn filled(parts: [&str; 3], separator: &str, robot: &Robot) -> String {
+    let list = |values: &[f64]| list(values, separator);
+    let [mut text, of_cable, end] = parts.map(str::to_owned);
+    for cable in &robot.cables {
+        let name = cable.name.strip_prefix("cable-").unwrap_or(&cable.name);
+        text += &of_cable
+            .replace("{cable}", &escaped(name))
+            .replace("{entry}", &list(&cable.pulley.entry_point_m))
+            .replace("{anchor}", &list(&cable.platform_anchor_m));
+    }
+    let platform = &robot.platform;
+    let mass_kg = platform.mass_kg.unwrap_or(1.0);
+    for (name, value) in INERTIA.iter().zip(inertia_of(platform, mass_kg)) {
+        text = text.replace(&format!("{{{name}}}"), &list(&[value]));
+    }
+    let home = robot.home.map_or(Pose::identity(), |home| home.pose());
+    let (roll, pitch, yaw) = home.orientation.euler_angles();
+    text.replace("{mass}", &mass_kg.to_string())
+        .replace("{center}", &list(&platform.center_of_mass_m))
+        .replace("{place}", &list(home.position.as_slice()))
+        .replace("{turn}", &list(&[roll, pitch, yaw]))
+        .replace("{robot}", &escaped(&robot.name))
+        + &end
 }
 
 /// The robot of a description, which states no noise.

@@ -13,6 +13,8 @@ use tautline_session::{Loaded, ReadError};
 pub enum Meaning {
     /// Coordinate x, y or z of the point from which a cable is seen to come.
     EntryPoint(usize),
+    /// Coordinate x, y or z of the point of the platform at which a cable ends. Every text that states it expresses the model's.
+    Anchor(usize),
     /// Cable per revolution of a motor, or the radius of a drum.
     CablePerRevolution,
     /// Growth of the drums by the cable on them.
@@ -65,6 +67,20 @@ impl Row {
             range: 0.1 * unit.1,
             digits: if unit.1 > 1.0 { 3 } else { 6 },
             ..Self::kept(key, unit, 0.0)
+        }
+    }
+
+    /// A coordinate of the point from which a cable comes in a text of geometry.
+    pub(super) const fn entry(axis: usize) -> Self {
+        Self::point("", axis, M)
+    }
+
+    /// A coordinate of the point of the platform at which a cable ends: it is the model's, without a search.
+    pub(super) const fn anchor(axis: usize) -> Self {
+        Self {
+            meaning: Meaning::Anchor(axis),
+            range: 0.0,
+            ..Self::entry(axis)
         }
     }
 }

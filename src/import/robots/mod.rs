@@ -1,11 +1,14 @@
 //! Descriptions of robots by other programs.
 
 mod caspr;
+mod cdpr;
 mod description;
 mod dialect;
+mod frames;
 mod klipper;
 mod maslow;
 mod mujoco;
+mod places;
 mod reprap;
 mod settings;
 mod wirex;
@@ -18,6 +21,8 @@ use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Place, ReadError, open_input};
 
 pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Row};
+pub use places::PartPlaces;
+pub(crate) use places::places_of;
 use xml::Element;
 
 /// Largest description that is read (bytes).
@@ -25,11 +30,14 @@ const MAX_BYTES: u64 = 16 << 20;
 
 impl Dialect {
     /// All dialects.
-    pub const ALL: [&'static Self; 4] = [
+    pub const ALL: [&'static Self; 7] = [
         &reprap::DIALECT,
         &maslow::DIALECT,
         &klipper::DIALECT,
         &mujoco::DIALECT,
+        &frames::URDF,
+        &frames::SDF,
+        &cdpr::DIALECT,
     ];
 
     /// The dialect of a text, or of its beginning.
@@ -39,9 +47,9 @@ impl Dialect {
     }
 }
 
-/// Whether a text, or its beginning, describes a robot; robots of Gazebo and URDF are refused by name.
+/// Whether a text, or its beginning, describes a robot.
 pub(crate) fn is_description(text: &str) -> bool {
-    let tags = ["<cables", "<links", "<models", "<sdf", "<robot"];
+    let tags = ["<cables", "<links", "<models"];
     Dialect::of(text).is_some()
         || text.starts_with('<') && tags.iter().any(|tag| text.contains(tag))
 }
@@ -63,7 +71,7 @@ pub fn read_description_text(path: &Path) -> Result<String, ReadError> {
 ///
 /// # Errors
 /// If a file is none of these, or does not describe a robot with one platform.
-pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadError> {
+pub(crate) fn read_described(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadError> {
     let (mut cables, mut bodies) = (None, None);
     for path in paths {
         let file = path.display().to_string();
@@ -84,7 +92,7 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             "models" => return wirex::robot(&file, &root),
             name => {
                 let message = format!(
-                    "found <{name}>, expected <mujoco>, <cables> or <bodies_system> of CASPR or <models> of WireX"
+                    "found <{name}>, expected <robot> of URDF, <sdf>, <mujoco>, <cables> or <bodies_system> of CASPR or <models> of WireX"
                 );
                 return Err(ReadError::new(&file, Place::File, message));
             }

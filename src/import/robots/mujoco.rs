@@ -7,18 +7,18 @@
 //! Source: MuJoCo, XML reference and the chapter on modeling.
 
 use tautline_core::geometry::{Coordinate, Pose, Vec3};
-use tautline_core::robot::{Cable, FrameTransform, Platform, Robot};
+use tautline_core::robot::{Cable, Platform, Robot};
 use tautline_session::{ReadError, quoted};
 
-use super::description::{Description, Guide, cable_of, home_at, robot_of};
-use super::dialect::{Dialect, ForeignRobot, M, Row};
+use super::description::{Guide, cable_of, escaped, in_frame, inertia_of, list, simulated};
+use super::dialect::{Dialect, ForeignRobot, Row};
 use super::settings::Settings;
 use super::xml::{self, Element};
 
 pub(super) static DIALECT: Dialect = Dialect {
     name: "mjcf",
     has_winches: false,
-    is_in: |text| text.trim_start().starts_with('<') && text.contains("<mujoco"),
+    is_in: |text| xml::has_tag(text, "<mujoco"),
     read,
     new_text,
 };
@@ -27,8 +27,6 @@ pub(super) static DIALECT: Dialect = Dialect {
 const TOUCH_M: f64 = 1e-6;
 /// Shortest way of a cable to its pulley in a new model (m): a site at the entry point itself would be inside the cylinder.
 const LEAST_RUN_M: f64 = 0.01;
-/// Radius of gyration of a platform whose inertia is unknown (m): MuJoCo needs one.
-const GYRATION_M: f64 = 0.03;
 
 /// A body, site or geom with the number of its body and its pose in the base frame (m).
 struct Placed<'x> {
@@ -59,10 +57,7 @@ impl<'x> Model<'x> {
                 continue;
             }
             let local = self.local_pose(element)?;
-            let pose = Pose {
-                position: pose.transform(&local.position),
-                orientation: pose.orientation * local.orientation,
-            };
+            let pose = in_frame(&pose, &local);
             match name {
                 "body" => self.add(element, pose)?,
                 _ => self.sites_and_geoms.push(Placed {
@@ -149,10 +144,8 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     let world = child("worldbody");
     let world = world.ok_or_else(|| root.error(file, "found no <worldbody>, expected bodies"))?;
     model.add(world, Pose::identity())?;
-    let groups = root.children.iter().filter(|one| one.name == "tendon");
-    let tendons = groups
-        .flat_map(|group| &group.children)
-        .filter(|one| one.name == "spatial");
+    let groups = root.of_kind("tendon");
+    let tendons = groups.flat_map(|group| group.of_kind("spatial"));
     let tendons: Vec<&Element> = tendons.collect();
     let platform = platform_body(&model, &root, &tendons)?;
     let mut settings = Settings::new(file, text);
@@ -177,33 +170,19 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     let others = ["default", "include", "equality", "actuator", "sensor"];
     left_out.extend(others.into_iter().filter(|name| child(name).is_some()));
     let body = &model.bodies[platform];
-    let notices = vec![
-        format!(
-            "{file}: the pose of the platform in the file is the home pose; state \"home\": null in robot.json if cable lengths are absolute"
-        ),
-        format!(
-            "{file}: left out: {}; mass and centre of mass are those of <inertial>, inertia if it is in the axes of the platform",
-            left_out.join(", ")
-        ),
-    ];
-    let description = Description {
-        platform: platform_of(file, body.element)?,
-        cables,
-        home: Some(home_at(FrameTransform {
-            position_m: body.pose.position.into(),
-            orientation_wxyz: body.pose.orientation_wxyz(),
-        })),
-        limits: None,
-        has_winches: false,
-    };
-    let mut read = robot_of(file, description, notices)?;
+    let notices = vec![format!(
+        "{file}: left out: {}; mass and centre of mass are those of <inertial>, inertia if it is in the axes of the platform",
+        left_out.join(", ")
+    )];
+    let platform = platform_of(file, body.element)?;
+    let mut read = simulated(platform, cables, &body.pose, notices, settings)?;
     let gravity = child("option")
         .map(|option| option.list(file, "gravity", 3))
         .transpose()?;
     if let Some(g) = gravity.flatten() {
-        read.value.gravity_m_s2 = [g[0], g[1], g[2]];
+        read.robot.gravity_m_s2 = [g[0], g[1], g[2]];
     }
-    Ok(ForeignRobot::new(read, settings.parameters))
+    Ok(read)
 }
 
 /// Number of the moving body in which most tendons end.
@@ -257,12 +236,11 @@ fn cable(
             (guide, &model.bodies[from.body], run_m)
         }
     };
-    if let (Some(place), Some(at)) = (moved.element.attribute("name"), moved.element.place("pos")) {
-        let key = format!("{} {place} pos", moved.element.name);
-        settings.push_list(&key, at);
-        for axis in 0..3 {
-            let row = Row::point("", axis, M);
-            settings.number(&row, format!("{key}.{axis}"), &name)?;
+    let rows: [fn(usize) -> Row; 2] = [Row::entry, Row::anchor];
+    for (Placed { element, .. }, row) in [moved, end].into_iter().zip(rows) {
+        if let (Some(place), Some(at)) = (element.attribute("name"), element.place("pos")) {
+            let key = format!("{} {place} pos", element.name);
+            settings.point(&key, at, &name, row)?;
         }
     }
     let home = model.bodies[platform].pose;
@@ -316,7 +294,7 @@ fn pulley(model: &Model<'_>, geom: &Placed<'_>, from: &Vec3) -> Result<Guide, Re
 /// The freedom of a body with its mass.
 fn platform_of(file: &str, body: &Element) -> Result<Platform, ReadError> {
     let mut platform = Platform::spatial(None);
-    let joints = body.children.iter().filter(|one| one.name == "joint");
+    let joints = body.of_kind("joint");
     let joints = joints.filter(|one| one.attribute("type") != Some("free"));
     let free = joints.map(|joint| {
         let axis = joint.list(file, "axis", 3)?.unwrap_or(vec![0.0, 0.0, 1.0]);
@@ -351,21 +329,13 @@ fn platform_of(file: &str, body: &Element) -> Result<Platform, ReadError> {
     Ok(platform)
 }
 
-fn list(values: &[f64]) -> String {
-    let texts: Vec<String> = values.iter().map(|value| format!("{value:.9}")).collect();
-    texts.join(" ")
-}
-
 /// A model whose tendons wrap round the pulleys of a robot. Winches are position actuators that hold the unstrained length with the
 /// stiffness at home, or motors if the cables are inelastic.
 fn new_text(robot: &Robot) -> String {
+    let list = |values: &[f64]| list(values, " ");
     let home = robot.home.map_or(Pose::identity(), |home| home.pose());
     let platform = &robot.platform;
     let mass_kg = platform.mass_kg.unwrap_or(1.0);
-    let least = mass_kg * GYRATION_M * GYRATION_M;
-    let inertia = platform
-        .inertia_kg_m2
-        .unwrap_or([least, least, least, 0.0, 0.0, 0.0]);
     let (mut sites, mut fixed, mut tendons, mut winches) = Default::default();
     for (n, cable) in (1..).zip(&robot.cables) {
         add_cable(
@@ -380,7 +350,8 @@ fn new_text(robot: &Robot) -> String {
         list(&home.orientation_wxyz()),
         list(&platform.center_of_mass_m),
     );
-    let (joints, inertia) = (joints(platform), list(&inertia));
+    let inertia = list(&inertia_of(platform, mass_kg));
+    let joints = joints(platform);
     format!(
         "<mujoco>\n  <compiler angle=\"radian\"/>\n  <option gravity=\"{gravity}\"/>\n  <worldbody>\n    <body name=\"platform\" pos=\"{position}\" quat=\"{quat}\">\n{joints}      <inertial pos=\"{center}\" mass=\"{mass_kg}\" fullinertia=\"{inertia}\"/>\n{sites}    </body>\n{fixed}  </worldbody>\n  <tendon>\n{tendons}  </tendon>\n  <actuator>\n{winches}  </actuator>\n</mujoco>\n"
     )
@@ -393,6 +364,7 @@ fn add_cable(
     home: &Pose,
     [sites, fixed, tendons, winches]: [&mut String; 4],
 ) {
+    let list = |values: &[f64]| list(values, " ");
     let (entry, axis) = (
         Vec3::from(cable.pulley.entry_point_m),
         Vec3::from(cable.pulley.swivel_axis),
@@ -422,11 +394,7 @@ fn add_cable(
         *fixed += &format!("    <site name=\"frame_{n}\" pos=\"{place}\"/>\n");
         format!("<site site=\"frame_{n}\"/>")
     };
-    let name = cable
-        .name
-        .replace('&', "&amp;")
-        .replace('"', "&quot;")
-        .replace('<', "&lt;");
+    let name = escaped(&cable.name);
     *tendons +=
         &format!("    <spatial name=\"{name}\">{path}<site site=\"platform_{n}\"/></spatial>\n");
     let stiffness = cable.cable.axial_stiffness_n;

@@ -5,6 +5,7 @@
 //! | G-code | `M669 A1:2:3` | `M669 A.1` is 2 |
 //! | sections | `[stepper_a]`, `anchor_x: 1` | `stepper_a.anchor_x` |
 //! | mappings of YAML | `kinematics:`, below it `tlX: 1` | `kinematics.tlX` |
+//! | sequences of YAML | `points:`, below it `- frame: [1, 2]` | `points.0.frame.1` is 2 |
 //!
 //! Where a key occurs several times, the last one holds, as it does for the programs that read these files.
 
@@ -12,7 +13,10 @@ use std::ops::Range;
 
 use tautline_session::{Place, ReadError, quoted};
 
-use super::dialect::{Parameter, Row};
+use super::dialect::{Meaning, Parameter, Row};
+
+/// Deepest nesting of YAML.
+const MAX_DEPTH: usize = 64;
 
 /// All values of a text, and what was read of them.
 #[derive(Debug)]
@@ -43,12 +47,39 @@ impl<'t> Settings<'t> {
         self.all.push((key, start..start + value.len()));
     }
 
-    /// Adds the values in some bytes of the text, which white space separates.
-    pub(super) fn push_list(&mut self, key: &str, at: Range<usize>) {
-        let list = self.text.get(at).unwrap_or_default();
-        for (index, value) in list.split_whitespace().enumerate() {
+    /// Adds the values of a list, which white space or commas separate.
+    fn push_list(&mut self, key: &str, list: &str) {
+        let is_between = |letter: char| letter == ',' || letter.is_whitespace();
+        let values = list.split(is_between).filter(|value| !value.is_empty());
+        for (index, value) in values.enumerate() {
             self.push(format!("{key}.{index}"), value);
         }
+    }
+
+    /// Numbers under a key, each with the row for its index.
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        key: &str,
+        cable: &str,
+        row: fn(usize) -> Row,
+    ) -> Result<[f64; N], ReadError> {
+        let mut numbers = [0.0; N];
+        for (index, number) in numbers.iter_mut().enumerate() {
+            *number = self.number(&row(index), format!("{key}.{index}"), cable)?;
+        }
+        Ok(numbers)
+    }
+
+    /// Makes the coordinates (m) of a cable's point in some bytes of the text parameters.
+    pub(super) fn point(
+        &mut self,
+        key: &str,
+        at: Range<usize>,
+        cable: &str,
+        row: fn(usize) -> Row,
+    ) -> Result<(), ReadError> {
+        self.push_list(key, self.text.get(at).unwrap_or_default());
+        self.numbers::<3>(key, cable, row).map(drop)
     }
 
     /// Commands of G-code: a word in letters and digits, then letters with values, which colons separate.
@@ -83,20 +114,40 @@ impl<'t> Settings<'t> {
         settings
     }
 
-    /// Mappings of YAML, which are nested by their indentation; sequences have no keys here.
+    /// Mappings and sequences of YAML, nested by their indentation, and lists of numbers on one line.
     pub(super) fn of_yaml(file: &'t str, text: &'t str) -> Self {
         let mut settings = Self::new(file, text);
-        let mut open: Vec<(usize, &str)> = Vec::new();
+        let mut open: Vec<(usize, String)> = Vec::new();
         for line in text.lines() {
             let line = line.split('#').next().unwrap_or_default().trim_end();
-            let indent = line.len() - line.trim_start().len();
-            let Some((key, value)) = line.trim_start().split_once(':') else {
+            let mut rest = line.trim_start();
+            let mut is_item = false;
+            while (rest == "-" || rest.starts_with("- ")) && open.len() < MAX_DEPTH {
+                let indent = line.len() - rest.len();
+                // A sequence may stand below its key without being indented.
+                open.retain(|(outer, _)| *outer <= indent);
+                let is_item_of = |(outer, key): &mut (usize, String)| {
+                    *outer == indent && key.parse::<u32>().is_ok()
+                };
+                let before = open.pop_if(is_item_of).and_then(|one| one.1.parse().ok());
+                let index = before.map_or(0, |before: u32| before.saturating_add(1));
+                open.push((indent, index.to_string()));
+                (rest, is_item) = (rest[1..].trim_start(), true);
+            }
+            let indent = line.len() - rest.len();
+            let mut value = rest;
+            if let Some((key, after)) = rest.split_once(':') {
+                open.retain(|(outer, _)| *outer < indent);
+                open.push((indent, key.to_owned()));
+                value = after;
+            } else if !is_item {
                 continue;
-            };
-            open.retain(|(outer, _)| *outer < indent);
-            open.push((indent, key));
-            let path: Vec<&str> = open.iter().map(|(_, key)| *key).collect();
-            settings.push(path.join("."), value);
+            }
+            let path: Vec<&str> = open.iter().map(|(_, key)| key.as_str()).collect();
+            match value.trim().strip_prefix('[') {
+                Some(list) => settings.push_list(&path.join("."), list.trim_end_matches(']')),
+                None => settings.push(path.join("."), value),
+            }
         }
         settings
     }
@@ -136,7 +187,7 @@ impl<'t> Settings<'t> {
             let message = format!("{key}: found {}, expected a number", quoted(text));
             self.error(&key, message)
         })?;
-        if row.range > 0.0 {
+        if row.meaning != Meaning::Kept {
             self.parameters.push(Parameter {
                 key,
                 cable: cable.to_owned(),
@@ -208,6 +259,17 @@ mod tests {
     fn numbers_keep_their_places_in_every_syntax() {
         let gcode = "M669 K6 ; A9\nm669 A1.5:-2 B3\nM950 C\"a b\"\n";
         let sections = "[printer]\nkinematics = winch # no\n[stepper_a]\nanchor_x: 4\n";
+        let sequences = "p: [1, 2]\nq:\n- f: [3, 4]\n  g:\n  - 5\n  - 6\n-\n  f: 7\n";
+        let keys_of = |text| {
+            let read = Settings::of_yaml("f", text).all;
+            let pairs = read.into_iter().filter(|(_, at)| !at.is_empty());
+            let pairs = pairs.map(|(key, at)| format!("{key}={}", &text[at]));
+            pairs.collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(
+            keys_of(sequences),
+            "p.0=1 p.1=2 q.0.f.0=3 q.0.f.1=4 q.0.g.0=5 q.0.g.1=6 q.1.f=7"
+        );
         let yaml = "a:\n  b: 1 # no\n  c:\n    d: 2\n  e: 3\nmeta: \nlast: 9\n";
         let read = [
             Settings::of_gcode("f", gcode),

@@ -24,11 +24,7 @@ const AXIS_TOLERANCE: f64 = 1e-3;
 
 pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadError> {
     let mut notices = Vec::new();
-    let robots: Vec<&Element> = models
-        .children
-        .iter()
-        .filter(|child| child.name == "robot")
-        .collect();
+    let robots: Vec<&Element> = models.of_kind("robot").collect();
     let [model, others @ ..] = &robots[..] else {
         return Err(models.error(file, "found no <robot>, expected a robot of WireX"));
     };
@@ -43,12 +39,8 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
         .child("geometry")
         .ok_or_else(|| model.error(file, "found no <geometry>, expected the cables"))?;
     let platform = platform(file, model, &mut notices)?;
-    let chains = geometry
-        .children
-        .iter()
-        .filter(|child| child.name == "chain");
     let (mut cables, mut radii) = (Vec::new(), Vec::new());
-    for chain in chains {
+    for chain in geometry.of_kind("chain") {
         let end = |name: &str| {
             chain
                 .child(name)

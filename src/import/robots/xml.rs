@@ -17,6 +17,8 @@ pub(super) struct Element {
     pub line: u64,
     attributes: Vec<Attribute>,
     text: String,
+    /// Bytes of its text in the document, if it is in one piece.
+    text_at: Option<Range<usize>>,
     pub children: Vec<Element>,
 }
 
@@ -43,9 +45,39 @@ impl Element {
         self.found(name).map(|one| one.at.clone())
     }
 
+    /// The text in it.
+    pub fn text(&self) -> &str {
+        self.text.trim()
+    }
+
+    /// The bytes of its text in the document.
+    pub fn text_place(&self) -> Option<Range<usize>> {
+        self.text_at.clone()
+    }
+
     /// The first child of this name.
     pub fn child(&self, name: &str) -> Option<&Self> {
         self.children.iter().find(|child| child.name == name)
+    }
+
+    /// The children of this name.
+    pub fn of_kind<'x>(&'x self, name: &'static str) -> impl Iterator<Item = &'x Self> {
+        let children = self.children.iter();
+        children.filter(move |child| child.name == name)
+    }
+
+    /// The value of an attribute of a child.
+    pub fn in_child(&self, child: &str, name: &str) -> Option<&str> {
+        self.child(child)?.attribute(name)
+    }
+
+    /// A number in an attribute, or in the text or the value of a child, `None` where there is none.
+    pub fn value(&self, file: &str, name: &str) -> Result<Option<f64>, ReadError> {
+        match self.child(name) {
+            None => self.number(file, name),
+            Some(child) if child.text().is_empty() => child.number(file, "value"),
+            Some(child) => child.numbers::<1>(file).map(|[value]| Some(value)),
+        }
     }
 
     /// The numbers in its text.
@@ -145,6 +177,11 @@ impl Element {
     }
 }
 
+/// Whether a text is XML in which an element has this beginning.
+pub(super) fn has_tag(text: &str, tag: &str) -> bool {
+    text.trim_start().starts_with('<') && text.contains(tag)
+}
+
 /// The root of a document.
 pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
     let mut reader = Reader::from_str(text);
@@ -182,12 +219,16 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
                     parent.children.push(element);
                 }
             }
-            Event::Text(text) => {
-                let text = text
+            Event::Text(part) => {
+                let decoded = part
                     .decode()
                     .map_err(|_| fail(at, "found text that is not UTF-8"))?;
                 if let Some(element) = open.last_mut() {
-                    element.text.push_str(&text);
+                    if !decoded.trim().is_empty() {
+                        let (is_first, at) = (element.text().is_empty(), at as usize);
+                        element.text_at = is_first.then_some(at..at + part.len());
+                    }
+                    element.text.push_str(&decoded);
                 }
             }
             Event::Eof => break,

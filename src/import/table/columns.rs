@@ -3,10 +3,8 @@
 use tautline_session::{Place, ReadError, quoted};
 
 use super::layout::Layout;
-use crate::memory::MemoryBudget;
-use crate::source::{Channel, FillingTexts, Series};
+use crate::source::{Filling, FillingTexts, Series};
 use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
-use crate::values::{Filling, Storage};
 
 /// Columns that are filled row by row.
 pub(crate) struct Columns {
@@ -19,43 +17,40 @@ pub(crate) struct Columns {
     last_line: u64,
     /// Line of the first number with a decimal point, and with a decimal comma.
     decimals: [Option<u64>; 2],
-    storage: Storage,
 }
 
 struct Column {
     name: String,
     unit: Option<String>,
-    cells: Filled,
+    cells: Filling,
+    /// Whether its numbers are dates and times of day (s).
+    is_time: bool,
     /// Cells that are not readings: line and text of the first one, and how many.
     not_read: Option<(u64, String, usize)>,
 }
 
-enum Filled {
-    Numbers(Filling),
-    /// Dates and times of day, in seconds.
-    Times(Filling),
-    Texts(FillingTexts),
-}
-
 impl Columns {
     /// Columns of a layout; what each holds is found out from a sample of rows.
-    pub fn new(
-        file: &str,
-        layout: &Layout,
-        sample: &[(u64, &Cells)],
-        budget: &MemoryBudget,
-    ) -> Self {
+    pub fn new(file: &str, layout: &Layout, sample: &[(u64, &Cells)]) -> Self {
         let data = || {
             sample
                 .iter()
                 .filter(|(line, _)| *line >= layout.first_data_line)
                 .map(|(_, cells)| *cells)
         };
-        let column = |(k, (name, unit)): (usize, &(String, Option<String>))| Column {
-            name: name.clone(),
-            unit: unit.clone(),
-            cells: Filled::like(data().map(|cells| cells.get(k))),
-            not_read: None,
+        let column = |(k, (name, unit)): (usize, &(String, Option<String>))| {
+            let (cells, is_time) = filling_like(data().map(|cells| cells.get(k)));
+            Column {
+                name: name.clone(),
+                unit: if is_time {
+                    Some("s".into())
+                } else {
+                    unit.clone()
+                },
+                cells,
+                is_time,
+                not_read: None,
+            }
         };
         Self {
             file: file.into(),
@@ -64,7 +59,6 @@ impl Columns {
             broken: None,
             last_line: 0,
             decimals: [None; 2],
-            storage: Storage::within(budget),
         }
     }
 
@@ -88,9 +82,7 @@ impl Columns {
         }
         self.rows += 1;
         for (k, column) in self.columns.iter_mut().enumerate() {
-            let pushed = column.push(line, cells.get(k), &mut self.storage);
-            let failed = |error| ReadError::io(&self.file, Place::Line(line), &error);
-            if let Some(decimal) = pushed.map_err(failed)? {
+            if let Some(decimal) = column.push(line, cells.get(k)) {
                 let which = usize::from(decimal == Decimal::Comma);
                 self.decimals[which].get_or_insert(line);
             }
@@ -141,6 +133,7 @@ impl Columns {
                 unit,
                 cells,
                 not_read,
+                ..
             } = column;
             let place = format!("{file}, column {}", quoted(&name));
             if let Some((line, text, count)) = not_read {
@@ -154,76 +147,52 @@ impl Columns {
                     quoted(&text)
                 ));
             }
-            match cells {
-                Filled::Numbers(values) => series.channels.push(Channel {
-                    name,
-                    unit,
-                    values: values.finish(),
-                }),
-                Filled::Times(values) => series.channels.push(Channel {
-                    name,
-                    unit: Some("s".into()),
-                    values: values.finish(),
-                }),
-                Filled::Texts(texts) => match texts.finish(&name) {
-                    Ok(texts) => series.texts.push(texts),
-                    Err(why) => notices.push(format!("{place}: {why}")),
-                },
-            }
+            let added = series.add(name, unit, cells);
+            notices.extend(added.err().map(|why| format!("{place}: {why}")));
         }
         Ok(series)
     }
 }
 
-impl Filled {
-    /// The type of column that matches most of these cells.
-    fn like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
-        let filled = cells.filter(|cell| !is_gap(cell));
-        let count = filled.clone().count();
-        let numbers = filled
-            .clone()
-            .filter(|cell| parse_number(cell).is_some())
-            .count();
-        let times = filled
-            .filter(|cell| parse_timestamp(cell).is_some())
-            .count();
-        if numbers * 2 >= count && count > 0 {
-            Self::Numbers(Filling::default())
-        } else if times * 2 >= count && count > 0 {
-            Self::Times(Filling::default())
-        } else {
-            Self::Texts(FillingTexts::default())
-        }
+/// The type of column that matches most of these cells, and whether it has times.
+fn filling_like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> (Filling, bool) {
+    let filled: Vec<&str> = cells.filter(|cell| !is_gap(cell)).collect();
+    let are_most = |is_read: fn(&str) -> bool| {
+        let read = filled.iter().filter(|cell| is_read(cell)).count();
+        read > 0 && read * 2 >= filled.len()
+    };
+    if are_most(|cell| parse_number(cell).is_some()) {
+        (Filling::Numbers(Vec::new()), false)
+    } else if are_most(|cell| parse_timestamp(cell).is_some()) {
+        (Filling::Numbers(Vec::new()), true)
+    } else {
+        (Filling::Texts(FillingTexts::default()), false)
     }
 }
 
 impl Column {
     /// Adds a cell and returns the decimal separator of its number.
-    fn push(
-        &mut self,
-        line: u64,
-        cell: &str,
-        storage: &mut Storage,
-    ) -> std::io::Result<Option<Decimal>> {
+    fn push(&mut self, line: u64, cell: &str) -> Option<Decimal> {
         let mut decimal = None;
-        let value = match &mut self.cells {
-            Filled::Texts(texts) => {
+        let values = match &mut self.cells {
+            Filling::Texts(texts) => {
                 texts.push(cell);
-                return Ok(None);
+                return None;
             }
-            Filled::Numbers(_) => parse_number(cell).map(|(value, sign)| {
+            Filling::Numbers(values) => values,
+        };
+        let value = match self.is_time {
+            true => parse_timestamp(cell),
+            false => parse_number(cell).map(|(value, sign)| {
                 decimal = Some(sign).filter(|sign| *sign != Decimal::None);
                 value
             }),
-            Filled::Times(_) => parse_timestamp(cell),
         };
         if value.is_none() && !is_gap(cell) {
             let (_, _, count) = self.not_read.get_or_insert_with(|| (line, cell.into(), 0));
             *count += 1;
         }
-        if let Filled::Numbers(values) | Filled::Times(values) = &mut self.cells {
-            storage.push(values, value.unwrap_or(f64::NAN))?;
-        }
-        Ok(decimal)
+        values.push(value.unwrap_or(f64::NAN));
+        decimal
     }
 }

@@ -5,7 +5,6 @@ mod layout;
 
 use tautline_session::{Place, ReadError};
 
-use crate::memory::MemoryBudget;
 use crate::source::Series;
 use crate::text::Cells;
 pub(crate) use columns::Columns;
@@ -22,7 +21,6 @@ pub(crate) fn read_rows(
     file: &str,
     name: &str,
     rows: &[(u64, Cells)],
-    budget: &MemoryBudget,
     notices: &mut Vec<String>,
 ) -> Result<Series, ReadError> {
     let sample: Vec<(u64, &Cells)> = rows
@@ -32,7 +30,7 @@ pub(crate) fn read_rows(
         .collect();
     let layout = Layout::of(&sample).ok_or_else(|| no_numbers(file))?;
     layout.check(file)?;
-    let mut columns = Columns::new(file, &layout, &sample, budget);
+    let mut columns = Columns::new(file, &layout, &sample);
     notices.extend(layout.notices(file));
     for (line, cells) in rows
         .iter()

@@ -11,7 +11,7 @@ use std::io::{BufRead, BufReader, Read};
 use tautline_session::{Place, ReadError};
 
 use crate::input::Input;
-use crate::memory::MemoryBudget;
+use crate::memory::{MemoryBudget, OverBudget};
 pub(crate) use cells::{Cells, Separator};
 pub(crate) use decoding::{Encoding, decoded};
 pub(crate) use number::{Decimal, is_gap, parse_number};
@@ -66,9 +66,12 @@ impl<'a> Lines<'a> {
         self.file
     }
 
-    /// The memory for what the lines hold.
-    pub fn budget(&self) -> &MemoryBudget {
-        &self.budget
+    /// Counts the values of a row in the memory for the file: a short line may stand for as many as a long one.
+    pub fn take_values(&self, count: usize) -> Result<(), ReadError> {
+        let failed = |over: OverBudget| {
+            ReadError::new(self.file, Place::Line(self.number), over.to_string())
+        };
+        self.budget.take_values(count).map_err(failed)
     }
 
     /// How the text is encoded, in words.

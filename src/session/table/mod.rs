@@ -57,10 +57,12 @@ impl<R: BufRead> Table<R> {
             let message = "found no line, expected a header row";
             return Err(ReadError::new(file, Place::File, message));
         };
-        // German Excel uses semicolons as separators, because the comma is the decimal separator.
-        let count = |c: u8| record.iter().filter(|byte| **byte == c).count();
-        let decimal_comma = count(b';') > count(b',');
-        let mut cells = Cells::new(decimal_comma);
+        // German Excel uses semicolons as separators, because the comma is the decimal separator, and tabs on the clipboard.
+        let count = |c: &u8| record.iter().filter(|byte| *byte == c).count();
+        let separators = [b'\t', b';', b','];
+        let separator = *separators.iter().max_by_key(|c| count(c)).unwrap_or(&b',');
+        let decimal_comma = separator != b',';
+        let mut cells = Cells::new(separator);
         cells.split(record, file, line)?;
         let text = utf8(&cells.text, file, line)?;
         let names = (0..cells.ends.len()).map(|k| cell(text, &cells.ends, k).to_string());
@@ -200,11 +202,10 @@ impl Header {
 }
 
 impl Cells {
-    fn new(decimal_comma: bool) -> Self {
-        let delimiter = if decimal_comma { b';' } else { b',' };
+    fn new(separator: u8) -> Self {
         Self {
             parser: csv_core::ReaderBuilder::new()
-                .delimiter(delimiter)
+                .delimiter(separator)
                 .terminator(csv_core::Terminator::Any(b'\n'))
                 .build(),
             text: Vec::new(),

@@ -7,7 +7,7 @@ use tautline_core::simulation::{SimulationError, Workspace};
 use tautline_import::{Dialect, ForeignRobot, Meaning, Parameter};
 use tautline_session::ReadError;
 
-use crate::identification::Identification;
+use crate::identification::{FitVerdict, Identification, effects_title, without_each_effect};
 
 /// Number of poses of the workspace at which model and text are compared.
 const POSES: usize = 100;
@@ -68,9 +68,19 @@ pub struct DialectText {
     pub inexpressible: Vec<(String, f64)>,
     /// Effects of the model of which a text of geometry has only what they change at home.
     pub at_home_only: Vec<String>,
+    /// Whether the standard deviations of the model are valid, or too small, as it does not explain the readings.
+    pub sd_holds: bool,
 }
 
 impl DialectText {
+    /// The lines that differ from those of the user's text, which has as many.
+    #[must_use]
+    pub fn changed_lines(&self, text: &str) -> String {
+        let lines = self.text.lines().zip(text.lines());
+        let changed = lines.filter(|(new, old)| new != old);
+        changed.map(|(new, _)| format!("{new}\n")).collect()
+    }
+
     /// Expected errors and what the text cannot express, in sentences.
     #[must_use]
     pub fn loss_in_words(&self) -> String {
@@ -97,7 +107,13 @@ impl DialectText {
             names if names.is_empty() => names,
             names => format!(" A text of geometry has only what these change at home: {names}."),
         };
-        format!("{before}These lines: {after} expected; {model}.{parts}{at_home}")
+        let doubt = match self.sd_holds {
+            true => "",
+            false => {
+                " The model does NOT explain the readings, so expect more than these figures; `tautline diagnose` looks for the cause."
+            }
+        };
+        format!("{before}These lines: {after} expected; {model}.{parts}{at_home}{doubt}")
     }
 }
 
@@ -144,10 +160,11 @@ pub fn dialect_text(
         inexpressible: target.inexpressible(model, &values, least_m)?,
         at_home_only: match dialect.has_winches {
             true => Vec::new(),
-            false => (0..model.effects.len())
-                .map(|index| effect_name(model, index))
+            false => (model.effects.iter())
+                .map(|effect| effects_title(model, std::slice::from_ref(effect)))
                 .collect(),
         },
+        sd_holds: fit.is_none_or(|fit| FitVerdict::of(fit.solution.p_value()).holds()),
         text: written,
     })
 }
@@ -230,15 +247,28 @@ impl<'a> Target<'a> {
         );
         let workspace = workspace(&model, &self.read.robot);
         let expected = ExpectedLengths::of(&model, workspace, POSES)?;
+        let parameters = self.read.parameters.iter().zip(start);
+        let start: Vec<f64> = parameters
+            .map(|(one, start)| self.anchor(&model, one).unwrap_or(*start))
+            .collect();
         let ranges: Vec<f64> = self
             .read
             .parameters
             .iter()
             .map(|one| one.row.range)
             .collect();
-        let values = expected.project(&|values| self.robot_with(values).ok(), start, &ranges);
+        let values = expected.project(&|values| self.robot_with(values).ok(), &start, &ranges);
         let error_m = error_of(&expected, &self.robot_with(&values)?)?;
         Ok((expected, values, error_m))
+    }
+
+    /// The value of a parameter that is a coordinate of a platform anchor.
+    fn anchor(&self, model: &Robot, parameter: &Parameter) -> Option<f64> {
+        let Meaning::Anchor(axis) = parameter.row.meaning else {
+            return None;
+        };
+        let cable = self.read.robot.cable_index(&parameter.cable)?;
+        Some(model.cables[cable].platform_anchor_m[axis] * parameter.row.unit.1)
     }
 
     /// Parts of the error `least_m` of the best values, each by something that the text cannot express, the largest first.
@@ -283,10 +313,11 @@ fn in_frame_of(mut model: Robot, read: &Robot, dialect: &Dialect) -> Robot {
     model
 }
 
-/// The robot of a text, at home where the model is, and driven by its winches if the text states none.
+/// The robot of a text, at home where the model is. If the text states no winches, it is driven by those of the model along its coordinates.
 fn driven_as(model: &Robot, dialect: &Dialect, mut robot: Robot) -> Robot {
     (robot.home, robot.limits) = (model.home, model.limits);
     if !dialect.has_winches {
+        robot.platform.free.clone_from(&model.platform.free);
         for (cable, own) in robot.cables.iter_mut().zip(&model.cables) {
             (cable.winch, cable.cable) = (own.winch, own.cable.clone());
         }
@@ -305,39 +336,12 @@ fn workspace(model: &Robot, read: &Robot) -> Workspace {
 
 /// The model without one of the things that a text may lack, each with its name.
 fn simpler_models(model: &Robot) -> Vec<(String, Robot)> {
-    let without = |name: String, change: &dyn Fn(&mut Robot)| {
-        let mut simpler = model.clone();
-        change(&mut simpler);
-        (name, simpler)
-    };
-    let effects = (0..model.effects.len()).map(|index| {
-        without(effect_name(model, index), &|robot| {
-            robot.effects.remove(index);
-        })
-    });
-    let mut models: Vec<(String, Robot)> = effects.collect();
-    let deviations = "deviations of parts within their tolerances";
-    models.push(without(deviations.to_owned(), &|robot| {
-        robot.deviations.clear();
-    }));
-    models.push(without("pulleys".to_owned(), &|robot| {
-        robot
-            .cables
-            .iter_mut()
-            .for_each(|cable| cable.pulley.radius_m = 0.0);
-    }));
-    models.retain(|(_, simpler)| simpler != model);
+    let mut models = without_each_effect(model);
+    let mut eyelets = model.clone();
+    let cables = eyelets.cables.iter_mut();
+    cables.for_each(|cable| cable.pulley.radius_m = 0.0);
+    models.extend((eyelets != *model).then_some(("pulleys".to_owned(), eyelets)));
     models
-}
-
-fn effect_name(model: &Robot, index: usize) -> String {
-    let setting = &model.effects[index];
-    let effect = model.effect(&setting.effect);
-    let title = effect.map_or(setting.effect.as_str(), |effect| effect.title());
-    match setting.targets.join(", ") {
-        targets if targets.is_empty() => title.to_owned(),
-        targets => format!("{title} of {targets}"),
-    }
 }
 
 fn written_value(
@@ -362,6 +366,7 @@ fn written_value(
             let sd = sd_m.map(|sd_m| sd_m * parameter.row.unit.1);
             (sd, format!("entry point of {name}{pulley}"))
         }
+        (Meaning::Anchor(_), Some(_)) => (None, format!("platform anchor of {name}")),
         (Meaning::CablePerRevolution, Some(cable)) => {
             let effects = fit.map(Identification::effects).unwrap_or_default();
             let mut scales = effects.iter().filter(|one| one.effect == "winch_scale");

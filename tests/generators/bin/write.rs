@@ -1,4 +1,4 @@
-//! Validation tables: each on its own, or all of them into docs/VALIDATION.md. Also the sample sessions
+//! Validation tables: each on its own, or all of them into docs/validation. Also the sample sessions
 //! and the screenshots.
 
 mod hidden;
@@ -7,7 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use tautline_validation::generators::{hypotheses, random_runs, screenshots, sessions, your_data};
+use tautline_validation::generators::{
+    gallery, hypotheses, random_runs, screenshots, sessions, your_data,
+};
 use tautline_validation::support::ads::Protocol;
 use tautline_validation::support::window;
 use tautline_validation::tables::hidden::Records;
@@ -47,7 +49,7 @@ const SOAK_SEED: u64 = 52_000;
 /// Seed of the damage to files.
 const DAMAGE_SEED: u64 = 51_000;
 /// Seed of the first machine with a fault of the field.
-const FIELD_SEED: u64 = 53_000;
+const FIELD_SEED: u64 = 70_000;
 /// Seed of the first robot that is measured until it is certain.
 const UNTIL_SEED: u64 = 46_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
@@ -57,7 +59,7 @@ const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
 const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], field {exact | rough} [EACH [FIRST_SEED [WHAT | all [FOLDER]]]], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
-             your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
+             your-data, gallery, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -110,6 +112,7 @@ fn main() -> Result<()> {
         Some("hypotheses") => hypotheses::write()?,
         Some("random-runs") => random_runs(&arguments[1..])?,
         Some("your-data") => your_data::write()?,
+        Some("gallery") => gallery::write(&gallery::folder())?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
         Some("screenshots") => {
             screenshots::write_all(argument.map_or(screenshots::folder(), Path::new))?;
@@ -287,37 +290,28 @@ fn workbench(what: Option<&str>) -> Result<()> {
     let table = window::speed::measure()?;
     println!("{table}");
     if what == Some("write") {
-        let path = document();
-        let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
-        replace(&mut text, "workbench", &table)?;
-        tautline_session::write_text(&path, &text)?;
+        save("validation/workbench", &table)?;
     }
     Ok(())
 }
 
-/// Puts the studies of hidden effects, or their first data sets, into the document, with their diagram beside it.
+/// Writes the table of the studies of hidden effects, or of their first data sets, and the diagram that the page shows.
 fn studies(first: Option<&str>) -> Result<()> {
     let first = first.map(str::parse).transpose()?;
     let (table, diagram) = hidden::studies(Path::new(RECORDS), first)?;
-    let path = document();
-    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
-    replace(&mut text, "hidden_studies", &table)?;
-    tautline_session::write_text(&path, &text)?;
-    tautline_session::write_text(&path.with_file_name("reliability.svg"), &diagram)?;
+    save("validation/hidden-studies", &table)?;
+    tautline_session::write_text(&document().with_file_name("reliability.svg"), &diagram)?;
     Ok(())
 }
 
-/// The studies of the documentation, printed, or put between their marks in docs/WHICH-SENSOR.md.
+/// The studies of the documentation, printed, or written to docs/which-sensor.
 fn which_sensor_tables(what: Option<&str>) -> Result<()> {
-    let path = document().with_file_name("WHICH-SENSOR.md");
     for name in ["mini", "suspended-15m", "size"] {
         let (plan, result) = which_sensor::study(name)?;
         let table = which_sensor::markdown(&plan, &result)?;
         println!("{table}");
         if what == Some("write") {
-            let mut text = fs::read_to_string(&path).context("docs/WHICH-SENSOR.md")?;
-            replace(&mut text, name, &table)?;
-            tautline_session::write_text(&path, &text)?;
+            save(&format!("which-sensor/{name}"), &table)?;
         }
     }
     Ok(())
@@ -351,31 +345,82 @@ fn document() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/VALIDATION.md")
 }
 
-/// Puts every table between its marks in docs/VALIDATION.md. The Hangprinter's stays as it is where
-/// its data are absent.
+/// Writes every table to its file in docs/validation. The Hangprinter's stays as it is where its data
+/// are absent.
 fn write(folder: Option<&str>) -> Result<()> {
-    let path = document();
-    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
-    replace(&mut text, "nist", &nist::markdown(&nist::table()?))?;
-    replace(&mut text, "truth", &truth_table(None)?)?;
-    replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
-    let adjusted = adjusted::markdown(&adjusted::study()?);
-    replace(&mut text, "adjusted", &adjusted)?;
-    replace(&mut text, "motion", &motion_table(&[])?)?;
-    replace(&mut text, "isolability", &isolability_table()?)?;
-    replace(&mut text, "lives", &lives_table(None)?)?;
-    replace(&mut text, "health", &health_table(None)?)?;
-    replace(&mut text, "formulas", &formulas_table(None)?)?;
-    replace(&mut text, "hypothesis_files", &files_table(&[])?)?;
-    replace(&mut text, "until", &until_table(&[])?)?;
-    replace(&mut text, "hidden_effects", &hidden::tables()?)?;
-    replace(&mut text, "clean_robots", &clean_robots_table(&[])?)?;
+    save("validation/nist", &nist::markdown(&nist::table()?))?;
+    save("validation/truth", &truth_table(None)?)?;
+    save("validation/table1", &table1::markdown(&table1::study(10)?))?;
+    save(
+        "validation/adjusted",
+        &adjusted::markdown(&adjusted::study()?),
+    )?;
+    save("validation/motion", &motion_table(&[])?)?;
+    save("validation/isolability", &isolability_table()?)?;
+    save("validation/lives", &lives_table(None)?)?;
+    save("validation/health", &health_table(None)?)?;
+    save("validation/formulas", &formulas_table(None)?)?;
+    save("validation/hypothesis-files", &files_table(&[])?)?;
+    save("validation/until", &until_table(&[])?)?;
+    save("validation/hidden-effects", &hidden::tables()?)?;
+    save("validation/clean-robots", &clean_robots_table(&[])?)?;
     match hangprinter_table(folder) {
-        Ok(table) => replace(&mut text, "hangprinter", &table)?,
+        Ok(table) => save("validation/hangprinter", &table)?,
         Err(error) => eprintln!("the table of the Hangprinter stays as it was: {error:#}"),
     }
-    tautline_session::write_text(&path, &text)?;
     Ok(())
+}
+
+/// Writes a table to docs/NAME.txt, below the lines there that say what it is.
+fn save(name: &str, table: &str) -> Result<()> {
+    let path = document().with_file_name(format!("{name}.txt"));
+    let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let (head, _) = text.split_once("\n\n").context("no blank line")?;
+    tautline_session::write_text(&path, &format!("{head}\n\n{}\n", aligned(table.trim())))?;
+    Ok(())
+}
+
+/// The text with the columns of its Markdown tables padded to equal widths, and no bars at either end.
+fn aligned(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let parts = lines.chunk_by(|a, b| a.starts_with('|') == b.starts_with('|'));
+    let parts = parts.map(|part| {
+        if part[0].starts_with('|') {
+            columns(part)
+        } else {
+            part.join("\n")
+        }
+    });
+    parts.collect::<Vec<_>>().join("\n")
+}
+
+/// The rows of one table; the last column, which may have sentences, stays as it is.
+fn columns(rows: &[&str]) -> String {
+    let cells = |row: &&str| -> Vec<String> {
+        let cells = row.trim_matches('|').split('|');
+        cells.map(|cell| cell.trim().to_owned()).collect()
+    };
+    let mut rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    // The rule below the titles is as wide as the columns.
+    rows[1].fill(String::new());
+    let length = |cell: &String| cell.chars().count();
+    let widest = |k: usize| rows.iter().map(|row| length(&row[k])).max().unwrap_or(0);
+    let last = rows[0].len() - 1;
+    let widths: Vec<usize> = (0..last).map(widest).chain([0]).collect();
+    let lines = rows.iter().enumerate().map(|(number, row)| {
+        let (fill, bar) = if number == 1 {
+            ("-", "-|-")
+        } else {
+            (" ", " | ")
+        };
+        let padded = row.iter().zip(&widths).map(|(cell, &width)| {
+            let missing = width.saturating_sub(length(cell));
+            format!("{cell}{}", fill.repeat(missing))
+        });
+        let line = padded.collect::<Vec<_>>().join(bar);
+        line.trim_end().to_owned()
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 fn replace(text: &mut String, name: &str, table: &str) -> Result<()> {

@@ -20,7 +20,7 @@ fn files_and_syntax() -> Vec<BadInput> {
         case(
             "no folder",
             NoDataset,
-            &["not found, expected a dataset folder"],
+            &["not found, expected a", "dataset folder"],
         ),
         case(
             "a file as dataset",

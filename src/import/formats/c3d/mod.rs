@@ -13,10 +13,9 @@ use tautline_session::{Place, ReadError, quoted};
 use self::parameters::Parameters;
 use self::processor::Processor;
 use crate::input::Input;
-use crate::memory::MemoryBudget;
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::bare;
-use crate::values::{Filling, Storage, Values};
+use crate::values::{Values, fill};
 
 /// Bytes of the header, and of a block in which places are counted.
 const BLOCK: u64 = 512;
@@ -72,10 +71,9 @@ pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Sourc
     }
     let frames = Frames::of(processor, &header, &parameters, size).map_err(refuse)?;
     input.seek(SeekFrom::Start(frames.at)).map_err(failed)?;
-    let budget = input.budget();
     let mut input = BufReader::new(input);
     let series = frames
-        .read(&mut input, budget, (&parameters, name), &mut notices)
+        .read(&mut input, (&parameters, name), &mut notices)
         .map_err(failed)?;
     notices.extend(left_out(&header, &parameters));
     let notices = notices.iter().map(|notice| format!("{file}: {notice}"));
@@ -235,34 +233,29 @@ impl Frames {
     fn read(
         &self,
         input: &mut impl Read,
-        budget: &MemoryBudget,
         (parameters, name): (&Parameters, &str),
         notices: &mut Vec<String>,
     ) -> std::io::Result<Vec<Series>> {
         let analog = Analog::of(parameters, self.channels);
-        let mut storage = Storage::within(budget);
-        let mut points = fillings(3 * self.points);
-        let mut channels = fillings(self.channels);
+        let mut points = vec![Vec::new(); 3 * self.points];
+        let mut channels = vec![Vec::new(); self.channels];
         let mut frame = vec![0; self.bytes()];
         let count = self.count.min(self.held);
         for _ in 0..count {
             input.read_exact(&mut frame)?;
-            for (k, filling) in points.iter_mut().enumerate() {
-                storage.push(filling, self.coordinate(&frame, k))?;
+            for (k, values) in points.iter_mut().enumerate() {
+                values.push(self.coordinate(&frame, k));
             }
             for at in 0..self.channels * self.samples {
                 let k = at % self.channels;
                 let number = self.number(&frame, 4 * self.points + at, analog.is_unsigned);
-                storage.push(&mut channels[k], analog.value(k, number))?;
+                channels[k].push(analog.value(k, number));
             }
         }
         self.notice(notices);
         let series =
-            |title: &str, headings: Vec<Channel>, fillings: Vec<Filling>, samples: usize| {
-                let mut channels = headings;
-                for (channel, filling) in channels.iter_mut().zip(fillings) {
-                    channel.values = filling.finish();
-                }
+            |title: &str, mut channels: Vec<Channel>, columns: Vec<Vec<f64>>, samples: usize| {
+                fill(&mut channels, columns);
                 let rows = count as usize * samples;
                 Series {
                     name: format!("{name} {title}"),
@@ -315,10 +308,6 @@ impl Frames {
         let times = (0..rows).map(|row| (begin + row as f64) / rate_hz);
         Some(times.collect())
     }
-}
-
-fn fillings(count: usize) -> Vec<Filling> {
-    (0..count).map(|_| Filling::default()).collect()
 }
 
 /// The number of a frame whose halves are two words, lower one first.

@@ -18,7 +18,6 @@ use self::layout::Layout;
 use self::wire::Wire;
 use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
-use crate::values::{Filling, Storage};
 
 /// Maximum record length as a multiple of the file size: a compressed record expands, but a damaged length must not
 /// allocate memory without data to fill it.
@@ -40,7 +39,7 @@ fn longest_record(bytes: u64) -> u64 {
 struct Recording {
     connections: HashMap<u32, Kept>,
     topics: Vec<Topic>,
-    storage: Storage,
+    budget: MemoryBudget,
     notices: Vec<String>,
 }
 
@@ -96,8 +95,8 @@ struct Rows {
     /// The frame of transforms.
     frame: String,
     count: usize,
-    time_s: Filling,
-    numbers: Vec<Filling>,
+    time_s: Vec<f64>,
+    numbers: Vec<Vec<f64>>,
     texts: Vec<Texts>,
 }
 
@@ -108,12 +107,12 @@ struct Texts {
 }
 
 impl Recording {
-    /// Nothing yet; values take their memory of a budget.
+    /// Nothing yet; rows count in a budget.
     fn within(budget: &MemoryBudget) -> Self {
         Self {
             connections: HashMap::new(),
             topics: Vec::new(),
-            storage: Storage::within(budget),
+            budget: budget.clone(),
             notices: Vec::new(),
         }
     }
@@ -158,7 +157,7 @@ impl Recording {
     /// Handles a message of a connection with its log time (s).
     fn message(&mut self, id: u32, log_s: f64, data: &[u8]) -> io::Result<()> {
         match self.connections.get_mut(&id) {
-            Some(Kept::Topic(place)) => self.topics[*place].message(data, log_s, &mut self.storage),
+            Some(Kept::Topic(place)) => self.topics[*place].message(data, log_s, &self.budget),
             Some(Kept::LeftOut(notice)) => {
                 self.notices.extend(notice.take());
                 Ok(())
@@ -228,7 +227,7 @@ impl Recording {
                 let channels = numbers.map(|(column, values)| Channel {
                     name: column.name.clone(),
                     unit: column.is_time.then(|| "s".to_owned()),
-                    values: values.finish(),
+                    values: values.into(),
                 });
                 let mut kept = Vec::new();
                 for (text, texts) in texts.iter().zip(rows.texts) {
@@ -245,7 +244,7 @@ impl Recording {
                 let one = Series {
                     name: rows.name,
                     rows: rows.count,
-                    time_s: Some(rows.time_s.finish()),
+                    time_s: Some(rows.time_s.into()),
                     channels: channels.collect(),
                     texts: kept,
                 };
@@ -261,7 +260,7 @@ impl Recording {
 }
 
 impl Topic {
-    fn message(&mut self, data: &[u8], log_s: f64, storage: &mut Storage) -> io::Result<()> {
+    fn message(&mut self, data: &[u8], log_s: f64, budget: &MemoryBudget) -> io::Result<()> {
         let Self {
             decoder,
             layout,
@@ -303,7 +302,7 @@ impl Topic {
                             self.series.len() - 1
                         }
                     };
-                    self.series[place].push(layout, log_s, storage)?;
+                    self.series[place].push(layout, log_s, budget)?;
                 }
                 return Ok(());
             }
@@ -315,7 +314,7 @@ impl Topic {
         if self.series.is_empty() {
             self.series.push(Rows::new(name.clone(), "", layout));
         }
-        self.series[0].push(layout, log_s, storage)
+        self.series[0].push(layout, log_s, budget)
     }
 }
 
@@ -325,17 +324,19 @@ impl Rows {
         Self {
             name: name.replace(char::is_control, "?"),
             frame: frame.to_owned(),
-            numbers: layout.columns.iter().map(|_| Filling::default()).collect(),
+            numbers: vec![Vec::new(); layout.columns.len()],
             texts: texts.map(|_| Texts::default()).collect(),
             ..Self::default()
         }
     }
 
     /// Adds the message read last.
-    fn push(&mut self, layout: &Layout, log_s: f64, storage: &mut Storage) -> io::Result<()> {
-        storage.push(&mut self.time_s, layout.stamp_s.unwrap_or(log_s))?;
+    fn push(&mut self, layout: &Layout, log_s: f64, budget: &MemoryBudget) -> io::Result<()> {
+        // Later messages may be far shorter than the first one.
+        budget.take_values(1 + self.numbers.len() + self.texts.len())?;
+        self.time_s.push(layout.stamp_s.unwrap_or(log_s));
         for (values, value) in self.numbers.iter_mut().zip(&layout.row) {
-            storage.push(values, *value)?;
+            values.push(*value);
         }
         for (texts, text) in self.texts.iter_mut().zip(&layout.row_texts) {
             texts.all.push(text);

@@ -51,6 +51,14 @@ fn small_files_that_hold_much_are_refused() {
 }
 
 #[test]
+fn short_rows_count_with_all_columns_of_their_header() {
+    let names = "Frame,Time".to_owned() + &",X".repeat(20_000);
+    let rows = "1,0.5,\n".repeat(200);
+    let text = format!("Format Version,1.23,Length Units,Meters\n{names}\n{rows}");
+    needs_more("h.csv", text.as_bytes());
+}
+
+#[test]
 fn short_cells_count_with_the_blocks_that_they_take() {
     let cell = "<table:table-cell office:value=\"1\" table:number-columns-repeated=\"1000\"/>";
     let rows =

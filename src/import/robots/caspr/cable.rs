@@ -13,11 +13,7 @@ pub(super) fn cable_set<'a>(
     root: &'a Element,
     notices: &mut Vec<String>,
 ) -> Result<&'a Element, ReadError> {
-    let sets: Vec<&Element> = root
-        .children
-        .iter()
-        .filter(|child| child.name == "cable_set")
-        .collect();
+    let sets: Vec<&Element> = root.of_kind("cable_set").collect();
     let id = |set: &Element| quoted(set.attribute("id").unwrap_or_default());
     let wanted = root.attribute("default_cable_set");
     let used = match wanted {

@@ -5,6 +5,7 @@ use tautline_core::robot::{FrameTransform, WorkspaceLimits};
 use tautline_core::simulation::Workspace;
 use tautline_session::{ReadError, quoted};
 
+use super::super::description::pose_of;
 use super::Element;
 
 use Coordinate::{Rx, Ry, Rz, X, Y, Z};
@@ -133,14 +134,7 @@ impl Joint {
         }
         let pose = match self.rotation {
             Rotation::Angles => Pose::from_angles(position_m, angles),
-            Rotation::FixedAngles => {
-                // The inverse of Rx(-a) Ry(-b) Rz(-c) is Rz(c) Ry(b) Rx(a).
-                let inverse = Pose::from_angles(position_m, angles.map(|angle| -angle));
-                Pose {
-                    orientation: inverse.orientation.inverse(),
-                    ..inverse
-                }
-            }
+            Rotation::FixedAngles => pose_of(position_m, angles),
             Rotation::Quaternion => {
                 let [.., w, x, y, z] = q else {
                     return FrameTransform {

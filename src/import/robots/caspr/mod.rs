@@ -12,12 +12,14 @@ mod cable;
 mod joint;
 
 use nalgebra::Matrix3;
-use tautline_core::geometry::{Coordinate, Vec3};
-use tautline_core::robot::{Cable, Limits, PerAxis, Platform, Robot};
+use tautline_core::geometry::Vec3;
+use tautline_core::robot::{Limits, Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
 use super::Element;
-use super::description::{Description, POSITION_SD_M, ROTATION_SD_RAD, home_at, robot_of};
+use super::description::{
+    Description, POSITION_SD_M, ROTATION_SD_RAD, home_at, know_normal_to_plane, robot_of,
+};
 use joint::Joint;
 
 pub(super) fn robot(
@@ -40,7 +42,8 @@ pub(super) fn robot(
         workspace: body.joint.as_ref().and_then(Joint::workspace),
         tension: cable::tension_limits(file, set, &mut notices)?,
     };
-    let home = body.joint.as_ref().and_then(Joint::home).map(home_at);
+    let home = body.joint.as_ref().and_then(Joint::home);
+    let home = home.map(|home| home_at(&home.pose()));
     if home.is_some() {
         notices.push(format!(
             "{}: q_initial is the home pose, at which encoders read 0; it is assumed to be known to {} mm and {} mrad",
@@ -57,18 +60,6 @@ pub(super) fn robot(
         has_winches: false,
     };
     robot_of(file, description, notices)
-}
-
-/// Entry points are known across the plane in which a platform moves: nothing depends on them.
-fn know_normal_to_plane(platform: &Platform, cables: &mut [Cable]) {
-    let axes = [Coordinate::X, Coordinate::Y, Coordinate::Z];
-    let moves = axes.map(|axis| platform.free.contains(&axis));
-    if moves.iter().filter(|moves| **moves).count() == 2 {
-        let sd = PerAxis::Each(moves.map(|moves| (!moves).then_some(0.0)));
-        for cable in cables {
-            cable.pulley.entry_point_sd_m = sd;
-        }
-    }
 }
 
 /// A platform, and the joint by which it moves if it is described.
@@ -93,11 +84,7 @@ fn body(file: &str, root: &Element, notices: &mut Vec<String>) -> Result<Body, R
             .child("links")
             .ok_or_else(|| root.error(file, "found no <links>, expected the bodies"))?,
     };
-    let bodies: Vec<&Element> = links
-        .children
-        .iter()
-        .filter(|child| child.name == "link_rigid")
-        .collect();
+    let bodies: Vec<&Element> = links.of_kind("link_rigid").collect();
     let link = match bodies[..] {
         [link] => link,
         [] => return Err(links.error(file, "found no <link_rigid>, expected the platform")),

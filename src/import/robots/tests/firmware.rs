@@ -113,7 +113,8 @@ fn damaged_texts_are_read_or_refused_in_one_sentence() {
             .wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % below.max(1)
     };
-    for text in [PRINTER, MASLOW, config, model] {
+    let [urdf, world, yaml] = super::simulators::ALL;
+    for text in [PRINTER, MASLOW, config, model, urdf, world, yaml] {
         let dialect = Dialect::of(text).expect("a dialect");
         for _ in 0..400 {
             let mut letters: Vec<char> = text.chars().collect();

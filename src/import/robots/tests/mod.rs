@@ -4,6 +4,7 @@ mod caspr;
 mod firmware;
 mod mujoco;
 mod reprap;
+mod simulators;
 mod wirex;
 
 use super::*;
@@ -19,7 +20,7 @@ fn read(files: &[(&str, &str)]) -> Result<Loaded<Robot>, String> {
         })
         .collect();
     let prefix = format!("{}/", folder.path().display());
-    read_robot_description(&paths).map_err(|error| error.to_string().replace(&prefix, ""))
+    read_described(&paths).map_err(|error| error.to_string().replace(&prefix, ""))
 }
 
 /// What is written of a number: nothing where rounding would not change it.

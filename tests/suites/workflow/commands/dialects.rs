@@ -60,7 +60,7 @@ fn what_is_wrong_with_a_text_is_said_with_its_place() {
         "config.g, line 4, column 34",
         "found \"abc\", expected a number",
     ]);
-    import(&gazebo).refused(&["robot.sdf: found <sdf>, expected <mujoco>"]);
+    import(&gazebo).refused(&["robot.sdf, line 2: <sdf>: found no cables, expected frames"]);
     let other = tautline(&["export", "mini", "--for", "reprap", "--onto", &good]);
     other.refused(&["mini: not found"]);
     tautline(&["new", "mini", "-o", &robot]).succeeded();

@@ -439,20 +439,20 @@ fn every_phase_can_be_tried_from_nothing() {
 }
 
 #[test]
-fn the_worked_examples_are_as_the_page_has_them() {
-    let page = your_data::page();
+fn the_worked_examples_are_as_the_pages_have_them() {
     for (name, content) in your_data::files().expect("files") {
-        let kept =
-            std::fs::read_to_string(page.with_file_name("your-data").join(name)).expect(name);
+        let kept = std::fs::read_to_string(your_data::folder().join(name)).expect(name);
         assert!(
             kept == content,
             "{name} is out of date: validation your-data"
         );
     }
-    let text = std::fs::read_to_string(&page).expect("the page");
-    assert_eq!(
-        your_data::with_outputs(&text).expect("outputs"),
-        text,
-        "validation your-data writes the page"
-    );
+    for page in your_data::pages() {
+        let text = std::fs::read_to_string(&page).expect("the page");
+        assert_eq!(
+            your_data::with_outputs(&text).expect("outputs"),
+            text,
+            "validation your-data writes the pages"
+        );
+    }
 }
