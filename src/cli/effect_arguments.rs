@@ -3,9 +3,10 @@
 use crate::BadInput;
 use crate::output::note;
 use anyhow::Result;
-use tautline_core::effect::{BoundEffect, EffectRequest, EffectSetting};
-use tautline_core::measurement::Measurements;
+use tautline_core::effect::{BoundEffect, EffectError, EffectRequest, EffectSetting, every_effect};
+use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
+use tautline_session::IdentificationSettings;
 
 /// Effects to simulate.
 #[derive(Debug, Default, clap::Args)]
@@ -41,7 +42,7 @@ impl HiddenEffects {
     pub fn settings(&self, robot: &Robot) -> Result<Vec<EffectSetting>> {
         let mut settings = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
-            let bad = |error| BadInput::new(format!("--effect {one}: {error}"));
+            let bad = |error: EffectError| refused(&one, &error);
             let setting = EffectSetting::parse(&one);
             let bound = setting.and_then(|setting| BoundEffect::from_setting(&setting, robot));
             let bound = bound.map_err(bad)?;
@@ -60,18 +61,23 @@ impl EstimatedEffects {
     }
 
     /// The effects at their start values, one for each cable if the effect is per cable and no cable is
-    /// named. Poses that they refer to must be in `data`, if there are data.
+    /// named; without an argument those of the session. Poses that they refer to must be in the data.
     pub fn settings(
         &self,
-        robot: &Robot,
-        data: Option<&Measurements>,
+        dataset: &Dataset,
+        of_session: &IdentificationSettings,
     ) -> Result<Vec<EffectSetting>> {
-        let bound = self.bind(robot)?;
+        if self.is_empty() {
+            return Ok(of_session.effects.clone());
+        }
+        let bound = self.bind(&dataset.robot)?;
         for effect in &bound {
-            data.map_or(Ok(()), |data| effect.check_poses(data))
+            effect
+                .check_poses(&dataset.measurements)
                 .map_err(|error| BadInput::new(format!("--effect: {error}")))?;
         }
-        Ok(bound.iter().map(|effect| effect.setting(robot)).collect())
+        let settings = bound.iter().map(|effect| effect.setting(&dataset.robot));
+        Ok(settings.collect())
     }
 
     /// The effects attached to the robot.
@@ -79,11 +85,29 @@ impl EstimatedEffects {
         let mut bound = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
             let instances = EffectRequest::parse(&one).and_then(|request| request.bind(robot));
-            let bad = |error| BadInput::new(format!("--effect {one}: {error}"));
+            let bad = |error: EffectError| refused(&one, &error);
             bound.extend(instances.map_err(bad)?);
         }
         Ok(bound)
     }
+}
+
+/// Similarity from which a name is suggested for an unknown effect: names that only begin alike have less.
+const SIMILAR: f64 = 0.9;
+
+/// The error of an effect, with the name that was probably meant.
+fn refused(text: &str, error: &EffectError) -> anyhow::Error {
+    let nearest = match error {
+        EffectError::UnknownEffect(id) => {
+            let likeness = |known: &str| strsim::jaro_winkler(id, known);
+            let known = every_effect().map(|effect| (likeness(effect.id()), effect.id()));
+            known.max_by(|a, b| a.0.total_cmp(&b.0))
+        }
+        _ => None,
+    };
+    let nearest = nearest.filter(|(likeness, _)| *likeness > SIMILAR);
+    let hint = nearest.map_or_else(String::new, |(_, id)| format!("; did you mean {id}?"));
+    BadInput::new(format!("--effect {text}: {error}{hint}"))
 }
 
 /// Factor of the largest typical size above which a value is questioned.
@@ -172,7 +196,8 @@ mod tests {
     fn freed(arguments: &[&str]) -> Result<Vec<EffectSetting>> {
         let arguments = Freed::parse_from([&["tautline"], arguments].concat());
         let robot = presets::find("planar").expect("a preset").robot;
-        arguments.effects.settings(&robot, None)
+        let bound = arguments.effects.bind(&robot)?;
+        Ok(bound.iter().map(|effect| effect.setting(&robot)).collect())
     }
 
     #[test]

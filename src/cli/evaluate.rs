@@ -18,8 +18,8 @@ use crate::{BadInput, input, standard_input};
     ("The poses of one run with the pulleys of another", "tautline evaluate bad --model model.json"),
 ]))]
 pub struct Arguments {
-    /// Dataset folder
-    #[arg(value_name = "DATASET")]
+    /// Session file or dataset folder; - is a session on standard input
+    #[arg(value_name = "SESSION|DATASET")]
     dataset: PathBuf,
     /// Model file or robot.json whose geometry and effects are kept fixed; - is standard input
     #[arg(long, value_name = "FILE")]

@@ -10,7 +10,7 @@ use clap::builder::RangedU64ValueParser;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    DatasetFolder, Loaded, PoseLines, Session, Timestamp, import, read_dataset,
+    IdentificationSettings, Loaded, PoseLines, Session, Timestamp, import, read_dataset,
 };
 use tautline_workflow::comparison::as_session;
 use tautline_workflow::machines::{self, Machine};
@@ -35,14 +35,19 @@ pub fn noticed<T>(read: Loaded<T>) -> T {
     read.value
 }
 
-/// Reads a session, or creates one from a robot or a dataset folder.
+/// Reads a session, or creates one from a robot or a dataset folder; readings that cannot be right are noted.
 pub fn session(path: &Path) -> Result<Session> {
+    let session = read_session(path)?;
+    note_faults(&session.dataset(), None);
+    Ok(session)
+}
+
+fn read_session(path: &Path) -> Result<Session> {
     if is_standard(path) {
         let session = noticed(standard_input::session()?);
         if let Some(text) = audit::notice(&session) {
             note!("{text}");
         }
-        note_faults(&session.dataset(), None);
         return Ok(session);
     }
     if !path.exists() {
@@ -55,14 +60,48 @@ pub fn session(path: &Path) -> Result<Session> {
     for notice in &notices {
         note!("{notice}");
     }
-    note_faults(&session.dataset(), None);
     Ok(session)
 }
 
-/// Reads a dataset folder; readings that cannot be right are noted.
-pub fn dataset(folder: &Path) -> Result<Dataset> {
-    let read = dataset_and_lines(folder)?;
-    note_faults(&read.dataset, Some(&read.lines));
+/// What was measured, from a session or from a dataset folder.
+pub struct Measured {
+    /// Robot and measurements; without the excluded poses of a session.
+    pub dataset: Dataset,
+    /// Lines of the table of poses in a dataset folder.
+    pub lines: Option<PoseLines>,
+    /// When the poses were read, if that is known.
+    pub measured_at: Option<Timestamp>,
+    /// Method and effects of a session; the usual ones for a dataset folder.
+    pub identification: IdentificationSettings,
+}
+
+/// Reads a session or a dataset folder.
+pub fn measured(path: &Path) -> Result<Measured> {
+    if !path.is_dir() {
+        let session = read_session(path)?;
+        return Ok(Measured {
+            dataset: session.dataset(),
+            lines: None,
+            measured_at: session.measured(),
+            identification: session.settings.identification,
+        });
+    }
+    let read = read_dataset(path)?;
+    for notice in &read.notices {
+        note!("{notice}");
+    }
+    Ok(Measured {
+        dataset: read.dataset,
+        lines: Some(read.lines),
+        measured_at: read.measured_at,
+        identification: IdentificationSettings::default(),
+    })
+}
+
+/// The measurements of a session or a dataset folder; readings that cannot be right are noted.
+pub fn dataset(path: &Path) -> Result<Dataset> {
+    let read = measured(path)?;
+    note_faults(&read.dataset, read.lines.as_ref());
     Ok(read.dataset)
 }
 
@@ -75,24 +114,18 @@ pub fn dated_session(path: &Path) -> Result<(Session, Option<Timestamp>)> {
     Ok((session, time))
 }
 
-/// Reads a dataset folder from which a robot can be identified.
-pub fn identifiable_dataset(folder: &Path) -> Result<Dataset> {
-    let read = dataset_and_lines(folder)?;
+/// Reads measurements from which a robot can be identified.
+pub fn identifiable(path: &Path) -> Result<Measured> {
+    let read = measured(path)?;
     let faults = reading_faults(&read.dataset);
     if let Some(fault) = faults.iter().find(|fault| fault.prevents_identification) {
-        let error = read.lines.error(fault.row, &fault.column, &fault.message);
-        return Err(error.into());
+        let message = || fault.sentence(&read.dataset, None);
+        return Err(match &read.lines {
+            Some(lines) => lines.error(fault.row, &fault.column, &fault.message).into(),
+            None => BadInput::new(format!("{}: {}", path.display(), message())),
+        });
     }
-    note_sentences(&faults, &read.dataset, Some(&read.lines));
-    Ok(read.dataset)
-}
-
-/// Reads a dataset folder, with the lines of its measurements.
-pub fn dataset_and_lines(folder: &Path) -> Result<DatasetFolder> {
-    let read = read_dataset(folder)?;
-    for notice in &read.notices {
-        note!("{notice}");
-    }
+    note_sentences(&faults, &read.dataset, read.lines.as_ref());
     Ok(read)
 }
 

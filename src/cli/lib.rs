@@ -34,6 +34,7 @@ mod position_tolerance;
 mod precalibrate;
 mod progress;
 mod replace;
+mod replay;
 mod report;
 mod report_format;
 mod schemas;
@@ -139,6 +140,8 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Export a dataset or its results as a table for other programs: CSV, Parquet, MATLAB
     Export(export::Arguments),
+    /// Compare a simulator with the machine: how far its readings are from the measured ones, and what explains it
+    Replay(replay::Arguments),
     /// Compare two runs: which pulleys moved, which differences are noise
     Compare(compare::Arguments),
     /// Follow one robot over all its sessions: what moved or drifts, and when to calibrate again
@@ -195,7 +198,13 @@ pub struct Window {
 
 /// Runs the command line.
 pub fn run(window: &Window) -> ExitCode {
-    let parsed = Arguments::command().try_get_matches().and_then(|matches| {
+    // Options say themselves what is wrong with a negative number.
+    let negative = |argument: clap::Arg| match argument.get_action().takes_values() {
+        true => argument.allow_negative_numbers(true),
+        false => argument,
+    };
+    let commands = Arguments::command().mut_subcommands(|command| command.mut_args(negative));
+    let parsed = commands.try_get_matches().and_then(|matches| {
         let arguments = Arguments::from_arg_matches(&matches)?;
         Ok((matches, arguments))
     });
@@ -248,6 +257,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Formulas(arguments) => formulas::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::History(arguments) => history::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),

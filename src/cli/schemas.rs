@@ -25,6 +25,7 @@ use tautline_workflow::identification::IdentificationDocument;
 use tautline_workflow::planning::PlanDocument;
 use tautline_workflow::precalibration::{HomeDocument, Precalibration};
 use tautline_workflow::readiness::ReadinessDocument;
+use tautline_workflow::replay::ReplayDocument;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -49,6 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<ReadinessDocument>());
     schemas.push(tautline_session::versioned_schema::<HealthDocument>());
     schemas.push(tautline_session::versioned_schema::<FormulasDocument>());
+    schemas.push(tautline_session::versioned_schema::<ReplayDocument>());
     schemas.push(tautline_session::versioned_schema::<ComparisonDocument>());
     schemas.push(tautline_session::versioned_schema::<HistoryDocument>());
     schemas.push(tautline_session::versioned_schema::<EffectsDocument>());

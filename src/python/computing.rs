@@ -10,6 +10,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::planning::{PlanOptions, Volume, plan as plan_poses};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate as simulate_readings};
+use tautline_session::read_poses;
 use tautline_workflow::clock;
 use tautline_workflow::comparison::ComparisonDocument;
 use tautline_workflow::comparison::{compare_identifications, identify_to_compare};
@@ -21,6 +22,7 @@ use tautline_workflow::identification::identified;
 use tautline_workflow::isolability::IsolabilityDocument;
 use tautline_workflow::planning::PlanDocument;
 use tautline_workflow::readiness::{self, CheckOutcome, readings_readiness};
+use tautline_workflow::replay::Replay;
 
 use crate::boundary::{
     DatasetTexts, detached, error, json, parsed_dataset, parsed_robot, poses_text, session_of,
@@ -259,4 +261,21 @@ pub fn compare(
         compare_identifications([&fits[0], &fits[1]], level)
     })?;
     json(&ComparisonDocument::of(&compared))
+}
+
+/// The result of the command `replay` with an identified model.
+#[pyfunction]
+pub fn replay(
+    py: Python<'_>,
+    dataset: DatasetTexts,
+    model: &str,
+    simulated: &str,
+) -> PyResult<String> {
+    let (dataset, model) = (parsed_dataset(&dataset)?, parsed_robot(model)?);
+    let simulated = read_poses(simulated.as_bytes(), "simulated", &dataset.robot);
+    let simulated = simulated.map_err(error)?.value;
+    let replay = detached(py, |_| {
+        Replay::new(&dataset, &model, &simulated).map_err(|e| format!("simulated: {e}"))
+    })?;
+    json(&replay.document())
 }

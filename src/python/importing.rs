@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AngleOrder, Assignment, ImportDocument, MemoryBudget, Recipe, Source, align_clocks,
+    AngleOrder, Assignment, ImportDocument, MemoryBudget, PartPlaces, Recipe, Source, align_clocks,
     arrange_per_cable, found, import, import_corrected, propose_around, read_robot_description,
     read_sources,
 };
@@ -53,9 +53,11 @@ impl ImportOptions {
         let (mut sources, mut notices) = (read.value, read.notices);
         arrange_per_cable(&mut sources, robot.cable_count());
         let assigned = self.assignments.iter();
-        let assigned = assigned.map(|text| Assignment::parse(text, &sources));
-        let assigned: Result<Vec<Assignment>, String> = assigned.collect();
-        let assigned = assigned.map_err(|why| error(format!("assign: {why}")))?;
+        let assigned = assigned.map(|text| Assignment::parse_each(text, &sources));
+        let assigned: Result<Vec<Vec<Assignment>>, String> = assigned.collect();
+        let assigned = assigned
+            .map_err(|why| error(format!("assign: {why}")))?
+            .concat();
         let mut recipe = match &self.recipe {
             Some(text) => {
                 let read = parse_versioned::<Recipe>(text.as_bytes(), RECIPE).map_err(error)?;
@@ -144,4 +146,21 @@ pub fn import_readings(
 pub fn import_robot(paths: Vec<PathBuf>) -> PyResult<(String, Vec<String>)> {
     let read = read_robot_description(&paths).map_err(error)?;
     Ok((json(&read.value)?, read.notices))
+}
+
+/// The robot whose cables have these places, and what is assumed of it.
+#[pyfunction]
+pub fn robot_of_places(
+    name: &str,
+    pulleys_m: Vec<[f64; 3]>,
+    platform_m: Vec<[f64; 3]>,
+    drum_diameters_m: Vec<f64>,
+) -> PyResult<String> {
+    let places = PartPlaces {
+        pulleys_m,
+        platform_m,
+        drum_diameters_m,
+        ..PartPlaces::default()
+    };
+    json(&places.robot(name, Vec::new()).map_err(error)?.value)
 }

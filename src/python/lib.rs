@@ -20,7 +20,7 @@ mod _tautline {
     #[pymodule_export]
     use super::computing::{
         check, check_health, compare, diagnose, effects, history, parse_effect, plan, predict,
-        simulate,
+        replay, simulate,
     };
     #[pymodule_export]
     use super::files::{
@@ -30,7 +30,7 @@ mod _tautline {
     #[pymodule_export]
     use super::fitting::{fit_tables, identify};
     #[pymodule_export]
-    use super::importing::{channels, import_readings, import_robot};
+    use super::importing::{channels, import_readings, import_robot, robot_of_places};
     #[pymodule_export]
     use super::study::{
         merge_study, plan_study, read_study, report_study, run_study, study_calibrations,

@@ -24,6 +24,7 @@ pub mod planning;
 pub mod plot;
 pub mod precalibration;
 pub mod readiness;
+pub mod replay;
 pub mod report;
 pub mod results;
 pub mod samples;

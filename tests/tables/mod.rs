@@ -1,4 +1,4 @@
-//! The tables of docs/VALIDATION.md.
+//! The tables of docs/validation.
 
 pub mod adjusted;
 pub mod damaged_files;

@@ -1,4 +1,4 @@
-//! The tables of docs/WHICH-SENSOR.md: the studies of docs/studies, planned, run, merged.
+//! The tables of docs/which-sensor: the studies of docs/studies, planned, run, merged.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -2,12 +2,13 @@
 
 use anyhow::Result;
 use tautline_core::robot::Robot;
-use tautline_link::adjusting::Difference;
-use tautline_link::export::{differences_csv, structured_text};
-use tautline_link::parameters::parameters_and_home_lengths;
+use tautline_link::adjusting::{Difference, plan_adjustment};
+use tautline_link::export::{differences_csv, identified_constants};
 
 use super::Arguments;
-use crate::output::write_file;
+use super::identified::Identified;
+use crate::input;
+use crate::output::{note, write_file};
 
 /// Writes the requested files.
 pub fn write(arguments: &Arguments, model: &Robot, differences: &[Difference]) -> Result<()> {
@@ -15,9 +16,18 @@ pub fn write(arguments: &Arguments, model: &Robot, differences: &[Difference]) -
         write_file(path, differences_csv(differences).as_bytes())?;
     }
     if let Some(path) = &arguments.structured_text {
-        let title = format!("Identified parameters of {}", model.name);
-        let text = structured_text(&title, &parameters_and_home_lengths(model));
-        write_file(path, text.as_bytes())?;
+        write_file(path, identified_constants(model).as_bytes())?;
     }
     Ok(())
+}
+
+/// Identifies a session or a dataset folder and writes the files, in which the values of the controller are unknown.
+pub fn write_without_controller(arguments: &Arguments) -> Result<()> {
+    let session = input::session(&arguments.session)?;
+    let identified = Identified::of(&session, arguments.method)?;
+    for doubt in &identified.doubts {
+        note!("{}.", doubt.sentence);
+    }
+    let differences = plan_adjustment(&[], &identified.model, identified.solution());
+    write(arguments, &identified.model, &differences)
 }

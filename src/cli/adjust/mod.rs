@@ -35,11 +35,11 @@ use writing::write;
     ("What would change on the controller", "tautline adjust run.json --controller sim --dry-run"),
     ("Write the identified values to it", "tautline adjust run.json --controller sim --arm"),
     ("Restore the values from before", "tautline adjust run.json --controller sim --roll-back --arm"),
-    ("For a controller without a link", "tautline adjust run.json --controller sim --dry-run --structured-text mini.st"),
-]))]
+    ("For a controller without a link", "tautline adjust mini --structured-text mini.st"),
+]), mut_arg("controller", |controller| controller.required(false)))]
 pub struct Arguments {
-    /// Session file
-    #[arg(value_name = "SESSION")]
+    /// Session file; for --structured-text and --csv without a controller also a dataset folder
+    #[arg(value_name = "SESSION|DATASET")]
     session: PathBuf,
     #[command(flatten)]
     robot_arguments: RobotArguments,
@@ -84,6 +84,13 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let robot = &arguments.robot_arguments;
+    let has_files = arguments.csv.is_some() || arguments.structured_text.is_some();
+    // Whoever arms or rolls back has forgotten the controller.
+    let is_for_controller = robot.arm || arguments.roll_back;
+    if robot.controller.is_none() && has_files && !is_for_controller {
+        return files::write_without_controller(arguments);
+    }
     let choice = arguments.robot_arguments.choice()?;
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();

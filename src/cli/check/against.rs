@@ -3,18 +3,17 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tautline_session::DatasetFolder;
 use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
 use tautline_workflow::readiness::readings_readiness;
 
 use super::{Arguments, print_items};
 use crate::failure::{BadInput, Reservation};
-use crate::input;
+use crate::input::{self, Measured};
 use crate::output::say;
 
 /// Checks readings against a calibration. Few poses need not determine the geometry by themselves.
-pub fn run(arguments: &Arguments, read: &DatasetFolder, baseline: &Path) -> Result<()> {
-    let readings = readings_readiness(&read.dataset, Some(&read.lines));
+pub fn run(arguments: &Arguments, read: &Measured, baseline: &Path) -> Result<()> {
+    let readings = readings_readiness(&read.dataset, read.lines.as_ref());
     if !readings.ready {
         arguments
             .json

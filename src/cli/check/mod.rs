@@ -21,15 +21,15 @@ use crate::{input, isolability};
     ("And which faults they would reveal", "tautline check mini --explain"),
 ]))]
 pub struct Arguments {
-    /// Dataset folder
-    #[arg(value_name = "DATASET")]
+    /// Session file or dataset folder; - is a session on standard input
+    #[arg(value_name = "SESSION|DATASET")]
     dataset: PathBuf,
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     #[command(flatten)]
     json: JsonOutput<ReadinessDocument, HealthDocument>,
     /// Session or dataset folder of the calibration: is the robot still as it was then?
-    #[arg(long, value_name = "DATASET|SESSION")]
+    #[arg(long, value_name = "SESSION|DATASET")]
     against: Option<PathBuf>,
     /// Also evaluate which faults the poses would reveal and which of them could be confused, which takes seconds
     #[arg(long)]
@@ -37,12 +37,12 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mut read = input::dataset_and_lines(&arguments.dataset)?;
+    let mut read = input::measured(&arguments.dataset)?;
     arguments.hypotheses.add_to(&mut read.dataset.robot)?;
     if let Some(baseline) = &arguments.against {
         return against::run(arguments, &read, baseline);
     }
-    let document = check(&read.dataset, Some(&read.lines), arguments.explain);
+    let document = check(&read.dataset, read.lines.as_ref(), arguments.explain);
     arguments.json.deliver(&document, || print(&document))?;
     Reservation::NotReady.unless(document.ready)
 }

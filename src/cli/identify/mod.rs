@@ -8,7 +8,7 @@ use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Loss};
-use tautline_core::measurement::{Dataset, Truth};
+use tautline_core::measurement::Truth;
 use tautline_session::Method;
 use tautline_workflow::identification::{
     Identification, IdentificationDocument, IdentificationRequest, PublishedIdentification,
@@ -20,7 +20,7 @@ use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
 use crate::failure::Reservation;
 use crate::hypothesis_arguments::HypothesisFiles;
-use crate::input;
+use crate::input::{self, Measured};
 use crate::method::MethodName;
 use crate::output::{JsonOutput, say, write_file, write_model};
 use crate::replace::OutputFile;
@@ -35,13 +35,13 @@ pub use report::print;
     ("Every reading with its residual and its redundancy", "tautline identify mini --statistics readings.csv"),
 ]))]
 pub struct Arguments {
-    /// Dataset folder
-    #[arg(value_name = "DATASET")]
+    /// Session file or dataset folder; - is a session on standard input
+    #[arg(value_name = "SESSION|DATASET")]
     dataset: PathBuf,
     /// joint: tensions are unknowns constrained by static equilibrium; simple: measured tensions are taken as exact;
-    /// published: the method of Jin et al. 2018
-    #[arg(long, value_enum, default_value_t = MethodName::Joint)]
-    method: MethodName,
+    /// published: the method of Jin et al. 2018; by default that of the session, or joint
+    #[arg(long, value_enum)]
+    method: Option<MethodName>,
     #[command(flatten)]
     effects: EstimatedEffects,
     #[command(flatten)]
@@ -69,9 +69,13 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let request = request(arguments, input::identifiable_dataset(&arguments.dataset)?)?;
-    let (model, document, is_usable) = match arguments.method {
-        MethodName::Published => {
+    let mut measured = input::identifiable(&arguments.dataset)?;
+    let method = &mut measured.identification.method;
+    *method = arguments.method.map_or(*method, Method::from);
+    let method = *method;
+    let request = request(arguments, measured)?;
+    let (model, document, is_usable) = match method {
+        Method::Published => {
             refuse_with_published(arguments)?;
             let published = fastest(
                 arguments.repeat,
@@ -86,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 is_usable,
             )
         }
-        MethodName::Joint | MethodName::Simple => {
+        Method::Joint | Method::Simple => {
             let identified = fastest(
                 arguments.repeat,
                 |i: &Identification| i.seconds,
@@ -115,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             say!("{sentence}");
         }
         print(&document, &request.dataset.robot);
-        if arguments.method != MethodName::Published {
+        if method != Method::Published {
             say!("{}", request.tolerances_sentence());
         }
     })?;
@@ -152,15 +156,13 @@ fn fastest<T>(
     Ok(best)
 }
 
-fn request(arguments: &Arguments, mut dataset: Dataset) -> Result<IdentificationRequest> {
+fn request(arguments: &Arguments, measured: Measured) -> Result<IdentificationRequest> {
+    let (mut dataset, settings) = (measured.dataset, measured.identification);
     // Identification never uses the true values of simulated data, which take a third of the memory.
     dataset.measurements.truth = Truth::default();
     arguments.hypotheses.add_to(&mut dataset.robot)?;
-    let effects = arguments
-        .effects
-        .settings(&dataset.robot, Some(&dataset.measurements))?;
-    let method = solved_method(Method::from(arguments.method));
-    let request = IdentificationRequest::new(dataset, method, &effects);
+    let effects = arguments.effects.settings(&dataset, &settings)?;
+    let request = IdentificationRequest::new(dataset, solved_method(settings.method), &effects);
     let mut request = request.map_err(BadInput::new)?;
     request.lists_readings = arguments.statistics.is_some();
     request.options.tolerances = arguments.tolerances.into();

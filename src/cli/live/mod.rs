@@ -24,8 +24,8 @@ use tautline_workflow::controllers::{ControllerChoice, UserKeys};
 #[derive(Debug, clap::Args)]
 pub struct RobotArguments {
     /// sim (the session's simulated robot), replay:DIR (a recorded dataset), ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT][?security=..&policy=..&user=NAME], with user-certificate=FILE&user-key=FILE for a user with a certificate
-    #[arg(long, value_name = "CONTROLLER")]
-    pub controller: String,
+    #[arg(long, value_name = "CONTROLLER", required = true)]
+    pub controller: Option<String>,
     /// Allow moving the robot and changing its parameters
     #[arg(long)]
     pub arm: bool,
@@ -147,7 +147,8 @@ impl RobotArguments {
             let message = format!("--speed: found {speed}, expected a positive number");
             return Err(BadInput::new(message));
         }
-        let choice = self.controller.parse();
+        let given = self.controller.as_deref().unwrap_or_default();
+        let choice = given.parse();
         choice.map_err(|error| BadInput::new(format!("--controller: {error}")))
     }
 

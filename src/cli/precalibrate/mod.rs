@@ -5,13 +5,13 @@ mod report;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_session::read_calibration_tables;
+use tautline_session::{Loaded, read_calibration_tables};
 use tautline_workflow::precalibration::{Calibration, Precalibration};
 
-use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, write_model};
 use crate::replace::OutputFile;
+use crate::{BadInput, input};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -19,8 +19,8 @@ use crate::replace::OutputFile;
     ("And the robot with the fitted values", "tautline precalibrate phases --model-out phases-robot.json"),
 ]))]
 pub struct Arguments {
-    /// Dataset folder
-    #[arg(value_name = "DATASET")]
+    /// Session file or dataset folder; - is a session on standard input
+    #[arg(value_name = "SESSION|DATASET")]
     dataset: PathBuf,
     #[command(flatten)]
     json: JsonOutput<Precalibration>,
@@ -30,7 +30,16 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let tables = read_calibration_tables(&arguments.dataset)?;
+    let tables = match arguments.dataset.is_dir() {
+        true => read_calibration_tables(&arguments.dataset)?,
+        false => {
+            let session = input::session(&arguments.dataset)?;
+            Loaded {
+                value: (session.robot, session.phases),
+                notices: Vec::new(),
+            }
+        }
+    };
     let (robot, phases) = &tables.value;
     let fits = Calibration::new(robot, phases);
     let document = Precalibration::of(robot, phases, &fits);

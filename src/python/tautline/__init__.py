@@ -13,7 +13,7 @@ that the command of the same name writes, as `document`. `tautline.plot` draws r
 """
 
 from . import plot
-from ._calls import check, compare, diagnose, effects, evaluate, history, identify, plan, predict, simulate
+from ._calls import check, compare, diagnose, effects, evaluate, history, identify, plan, predict, replay, simulate
 from ._data import Dataset, Effect, Robot, presets, read_dataset, read_robot, read_session
 from ._files import channels, export, import_readings, import_robot, precalibrate, report
 from ._results import (
@@ -31,6 +31,7 @@ from ._results import (
     Precalibration,
     Prediction,
     Readiness,
+    Replay,
     Run,
 )
 from ._study import Study, StudyResult
@@ -54,6 +55,7 @@ __all__ = [
     "Precalibration",
     "Prediction",
     "Readiness",
+    "Replay",
     "Robot",
     "Run",
     "Study",
@@ -80,6 +82,7 @@ __all__ = [
     "read_dataset",
     "read_robot",
     "read_session",
+    "replay",
     "report",
     "simulate",
 ]

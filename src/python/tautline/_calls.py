@@ -24,6 +24,7 @@ from ._results import (
     Plan,
     Prediction,
     Readiness,
+    Replay,
     Run,
 )
 from ._table import Table, numbers, table_of_rows
@@ -414,3 +415,25 @@ def compare(first: Dataset, second: Dataset, level: float = LEVEL) -> Comparison
     document = json.loads(_tautline.compare(dataset_texts(first, "first"), dataset_texts(second, "second"), level))
     moved = [one["cable"] for one in document["pulleys"] if one["moved"]]
     return Comparison(document["different"], document["level"], moved, document)
+
+
+def replay(dataset: Dataset, model: Robot, simulated: Dataset) -> Replay:
+    """Compares a simulator with the machine: how far its readings are from the measured ones, and what explains it.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Readings of the machine, with the robot as its drawings describe it.
+    model : Robot
+        The identified robot, such as `diagnose(dataset).model`.
+    simulated : Dataset
+        Readings that the simulator predicts for poses with the same labels, and where it has the platform.
+
+    Returns
+    -------
+    Replay
+        Errors of the simulator, of the drawing and of the model, for each kind of reading.
+    """
+    texts = dataset_texts(simulated, "simulated")
+    document = json.loads(_tautline.replay(dataset_texts(dataset), robot_text(model, "model"), texts[1]))
+    return Replay(document["nearest"], document)

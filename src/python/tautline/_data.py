@@ -122,6 +122,43 @@ class Robot:
         """
         return cls(json.loads(_tautline.preset(name)))
 
+    @classmethod
+    def from_arrays(
+        cls,
+        pulleys_m: ArrayLike,
+        platform_m: ArrayLike | None = None,
+        *,
+        name: str = "robot",
+        drum_diameters_m: ArrayLike | None = None,
+    ) -> Robot:
+        """A robot from the places of its parts.
+
+        The home pose is assumed to be about the middle of the frame, a length to have a standard deviation of 1 mm, and all parts
+        typical tolerances; without `drum_diameters_m` a revolution pays out 1 m. Correct `description`.
+
+        Parameters
+        ----------
+        pulleys_m : array of shape (cables, 2) or (cables, 3)
+            Where the cables come from their pulleys (m). With two coordinates the robot moves in the plane.
+        platform_m : array of the same shape, optional
+            Where the cables are fixed, in the platform's frame (m); without it the platform is a point.
+        name : str
+            Name of the robot.
+        drum_diameters_m : array of shape (cables,), optional
+            Diameters of the drums (m).
+
+        Returns
+        -------
+        Robot
+        """
+        pulleys = _places(pulleys_m)
+        platform = [] if platform_m is None else _places(platform_m)
+        drums = [] if drum_diameters_m is None else numbers(drum_diameters_m).tolist()
+        for one in (platform, drums):
+            if one and len(one) != len(pulleys):
+                raise ValueError(f"found {len(one)} rows for {len(pulleys)} cables, expected one for each")
+        return cls(json.loads(_tautline.robot_of_places(name, pulleys, platform, drums)))
+
     @property
     def name(self) -> str:
         """Its name."""
@@ -187,6 +224,16 @@ class Robot:
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, {len(self.cables)} cables)"
+
+
+def _places(points: ArrayLike) -> list[list[float]]:
+    """Three coordinates for each cable, NaN where there are two."""
+    given = numbers(points)
+    if given.ndim != 2 or given.shape[1] not in (2, 3):
+        raise ValueError(f"found an array of shape {given.shape}, expected (cables, 2) or (cables, 3)")
+    places = np.full((len(given), 3), np.nan)
+    places[:, : given.shape[1]] = given
+    return places.tolist()
 
 
 def _column(name: str, values: Any) -> NDArray[Any]:

@@ -133,7 +133,7 @@ def import_robot(sources: Path | Iterable[Path]) -> Robot:
     Parameters
     ----------
     sources : str, path or sequence of them
-        Cables and bodies of CASPR, or a model of WireX.
+        A table of the places of the pulleys, the text of a firmware or simulator, cables and bodies of CASPR, or a model of WireX.
 
     Returns
     -------

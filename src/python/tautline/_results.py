@@ -541,6 +541,40 @@ class Readiness(Tabular):
 
 
 @dataclass(repr=False, eq=False)
+class Replay(Tabular):
+    """A simulator beside the machine.
+
+    Attributes
+    ----------
+    nearest : str or None
+        The model that is nearer to the simulator: `drawing` or `identified`; None if it predicts tensions only.
+    document : dict
+        Document of the command.
+    """
+
+    nearest: str | None
+    document: dict[str, Any]
+
+    def table(self) -> Table:
+        """One row for each kind of reading.
+
+        Returns
+        -------
+        Table
+            Columns `reading`, `unit`, and errors as root mean square in SI units: `simulator_rms` (NaN for what it does not
+            predict), `drawing_rms`, `identified_rms`, `noise_rms`.
+        """
+        readings = self.document["readings"]
+        columns: dict[str, NDArray[Any]] = {name: _texts([one[name] for one in readings]) for name in ["reading", "unit"]}
+        for name in ["simulator_rms", "drawing_rms", "identified_rms", "noise_rms"]:
+            columns[name] = numbers([one[name] for one in readings])
+        return Table("replay", columns)
+
+    def __repr__(self) -> str:
+        return f"Replay({self.document['poses']} poses, nearest: {self.nearest})"
+
+
+@dataclass(repr=False, eq=False)
 class Comparison(Tabular):
     """Differences between two runs, second less first.
 

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use tautline_core::estimation::Progress;
-use tautline_session::{Session, import};
+use tautline_session::{Session, import, read_poses, read_table_file};
 
 use super::file_dialog::pick;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
-use crate::model::comparison::{Compared, Run, Side, Source};
+use crate::model::comparison::{Compared, Run, Side, SimulatorComparison, Source};
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;
@@ -17,6 +17,7 @@ use crate::model::{Model, OpenSession};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{as_session, identify_to_compare};
 use tautline_workflow::identification::IdentificationError;
+use tautline_workflow::replay::Replay;
 
 pub(super) fn perform(model: &mut Model, command: CompareCommand) {
     match command {
@@ -42,6 +43,11 @@ pub(super) fn perform(model: &mut Model, command: CompareCommand) {
             start(model, None);
         }
         CompareCommand::Again => start(model, None),
+        CompareCommand::AskSimulator => {
+            let request = FileRequest::file("Readings of a simulator", &["csv"]);
+            pick(model, request, CompareCommand::Simulator);
+        }
+        CompareCommand::Simulator(path) => replay(model, &path),
     }
 }
 
@@ -175,4 +181,39 @@ pub(super) fn receive(model: &mut Model, CompareOutcome { number, result }: Comp
         model.messages.failure(Cause::Comparison, error.clone());
     }
     model.comparison.take(result.map(Arc::from));
+}
+
+/// Compares the readings of a simulator with those of the open session, by its identified model.
+fn replay(model: &mut Model, path: &Path) {
+    let Some((open, fit)) = model
+        .open
+        .as_ref()
+        .and_then(|open| Some((open, open.fit()?)))
+    else {
+        return;
+    };
+    model.screen = Screen::Simulator;
+    model.comparison.simulator = None;
+    let (session, dataset, fit) = (open.id(), open.session().dataset(), Arc::clone(fit));
+    let path = path.to_owned();
+    model.tasks.start(COMPARING, move |_| {
+        let replay = || {
+            let simulated = read_table_file(&path, |reader, file| {
+                read_poses(reader, file, &dataset.robot)
+            });
+            let simulated = simulated.map_err(|error| format!("{error}."))?;
+            let replay = Replay::new(&dataset, &fit.model, &simulated.value);
+            replay
+                .map(Box::new)
+                .map_err(|error| format!("{}: {error}.", path.display()))
+        };
+        let result = replay();
+        let file = path.file_name().unwrap_or_default();
+        SimulatorComparison {
+            session,
+            file: file.to_string_lossy().into_owned(),
+            result,
+        }
+        .into()
+    });
 }

@@ -8,6 +8,7 @@ use tautline_session::Timestamp;
 
 use tautline_workflow::comparison::{LEVEL, compare_identifications};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::replay::Replay;
 
 /// One of the two places of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +72,17 @@ impl Compared {
     }
 }
 
+/// A simulator beside the machine.
+#[derive(Debug)]
+pub struct SimulatorComparison {
+    /// Number of the session.
+    pub session: u64,
+    /// Name of the file with the readings of the simulator.
+    pub file: String,
+    /// The comparison, or one sentence.
+    pub result: Result<Box<Replay>, String>,
+}
+
 /// The sessions to compare, and the comparison.
 #[derive(Debug, Default)]
 pub struct ComparisonState {
@@ -79,6 +91,8 @@ pub struct ComparisonState {
     /// The last comparison that succeeded; its identifications are used again.
     known: Option<Arc<Compared>>,
     number: u64,
+    /// A simulator beside the machine.
+    pub simulator: Option<SimulatorComparison>,
 }
 
 impl ComparisonState {

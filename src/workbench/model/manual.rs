@@ -122,6 +122,7 @@ impl Page {
             Screen::Compare => Self::Report,
             Screen::Record => Self::Record,
             Screen::Hypothesis | Screen::Gallery => Self::Hypotheses,
+            Screen::Simulator => Self::Identification,
             Screen::WhichSensor => Self::Measuring,
             Screen::NewRobot => Self::Modeling,
             Screen::Phase(phase) => match phase {

@@ -44,7 +44,7 @@ pub use tautline_workflow::plot::Selection;
 
 use autosave::Autosave;
 use caught_panic::CaughtPanic;
-use command::PlanOutlook;
+use command::{FileCorrection, PlanOutlook};
 use comparison::ComparisonState;
 use dialogs::Dialogs;
 use fit_progress::IdentificationState;
@@ -122,6 +122,8 @@ pub struct Model {
     /// Id and revision of the session for which that was checked.
     outlook_checked: Option<(u64, u64)>,
     pub comparison: ComparisonState,
+    /// The identified values in a file of a firmware or simulator.
+    pub(crate) corrected: Option<FileCorrection>,
     pub record: RecordState,
     pub hypothesis: HypothesisState,
     /// Files of other programs on their way into the session.
@@ -150,6 +152,13 @@ pub struct Model {
 }
 
 impl Model {
+    /// The file of a firmware or simulator with the values of the present identification.
+    #[must_use]
+    pub(crate) fn corrected_file(&self) -> Option<&FileCorrection> {
+        let inputs = self.open.as_ref()?.inputs();
+        self.corrected.as_ref().filter(|one| one.inputs == inputs)
+    }
+
     /// The model at the start of the program.
     #[must_use]
     pub fn new(context: &egui::Context, options: Options, report_picture: ReportPicture) -> Self {
@@ -191,6 +200,7 @@ impl Model {
             identification: IdentificationState::default(),
             outlook: None,
             outlook_checked: None,
+            corrected: None,
             comparison: ComparisonState::default(),
             record: RecordState::default(),
             hypothesis: HypothesisState::default(),

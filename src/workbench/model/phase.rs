@@ -10,6 +10,8 @@ pub enum Screen {
     Start,
     Phase(Phase),
     Compare,
+    /// The user's simulator beside the machine.
+    Simulator,
     /// The sessions of one robot over time.
     Record,
     /// Files of other programs on their way into the session.

@@ -13,6 +13,7 @@ pub mod measuring;
 pub mod modeling;
 pub mod precalibration;
 pub mod record;
+pub mod simulator;
 pub mod start;
 pub mod which_sensor;
 
@@ -42,6 +43,7 @@ pub struct PanelStates {
     pub record: record::PanelState,
     pub import: import::PanelState,
     pub which_sensor: which_sensor::PanelState,
+    pub simulator: simulator::PanelState,
     pub gallery: gallery::PanelState,
     /// What is shown, and how often that was something else.
     shown: Option<Shown>,

@@ -100,6 +100,9 @@ fn whole(ui: &mut Ui, state: &mut State) {
             screens::compare::show(ui, model, (&mut panels.compare, views), outbox);
         }
         Screen::Record => screens::record::show(ui, model, (&mut panels.record, views), outbox),
+        Screen::Simulator => {
+            screens::simulator::show(ui, model, &mut panels.simulator, outbox);
+        }
         Screen::WhichSensor => {
             screens::which_sensor::show(ui, model, &mut panels.which_sensor, outbox);
         }

@@ -117,6 +117,7 @@ impl eframe::App for App {
             let path = file.path().to_path_buf();
             match model.screen {
                 Screen::Compare => outbox.send(CompareCommand::Drop(path)),
+                Screen::Simulator => outbox.send(CompareCommand::Simulator(path)),
                 Screen::Record => outbox.send(RecordCommand::Open(path)),
                 _ => outbox.send(FileCommand::Open(path)),
             }

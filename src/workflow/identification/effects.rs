@@ -35,6 +35,21 @@ pub fn effects_title(robot: &Robot, settings: &[EffectSetting]) -> String {
     }
 }
 
+/// The model without each of its effects, and without the deviations of its parts, with the name of what is left out.
+#[must_use]
+pub fn without_each_effect(model: &Robot) -> Vec<(String, Robot)> {
+    let effects = model.effects.iter().enumerate().map(|(index, setting)| {
+        let mut without = model.clone();
+        without.effects.remove(index);
+        (effects_title(model, std::slice::from_ref(setting)), without)
+    });
+    let mut without = model.clone();
+    without.deviations.clear();
+    let deviations = "deviations of parts within their tolerances".to_owned();
+    let deviations = (!model.deviations.is_empty()).then_some((deviations, without));
+    effects.chain(deviations).collect()
+}
+
 /// The identified sizes of settings of one effect, `0.31 ± 0.04 %`, each with its cable if there are several.
 #[must_use]
 pub fn effect_sizes(fit: &Identification, settings: &[EffectSetting]) -> Vec<String> {

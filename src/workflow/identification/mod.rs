@@ -33,7 +33,7 @@ pub use budget::{
     BudgetDocument, PulleyBudget, SourceShare, SourceSummary, VarianceBudget, source_title,
 };
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
-pub use effects::{effect_sizes, effects_title, same_effect};
+pub use effects::{effect_sizes, effects_title, same_effect, without_each_effect};
 pub use model::{entry_point_sd, identified};
 pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};
 pub use pulley::{

@@ -77,7 +77,7 @@ impl Default for IdentificationOptions {
 
 impl IdentificationOptions {
     /// The problem without free effects, which starts at the values of the robot.
-    pub(super) fn problem(
+    pub(crate) fn problem(
         self,
         dataset: &Dataset,
         method: Method,
@@ -173,6 +173,8 @@ impl IdentificationRequest {
         let options = IdentificationOptions {
             geometry: Geometry::Held,
             poses,
+            // The deviations of the model are held, too.
+            tolerances: TolerancesUsed::None,
             ..request.options
         };
         Ok(Self { options, ..request })

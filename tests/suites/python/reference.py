@@ -1,6 +1,6 @@
 """The reference of the Python package, from its docstrings:
 
-    python tests/suites/python/reference.py >docs/PYTHON-REFERENCE.md
+    python tests/suites/python/reference.py >reference.md
 """
 
 import dataclasses
@@ -15,12 +15,12 @@ import tautline
 GROUPS: list[tuple[str, list[str]]] = [
     ("Robots, effects, readings", ["Robot", "Effect", "Dataset", "presets", "effects", "read_robot", "read_dataset", "read_session"]),
     ("Files of other programs", ["import_readings", "channels", "import_robot", "export", "report"]),
-    ("Computing", ["simulate", "predict", "plan", "check", "precalibrate", "identify", "evaluate", "diagnose", "compare", "history"]),
+    ("Computing", ["simulate", "predict", "plan", "check", "precalibrate", "identify", "evaluate", "diagnose", "replay", "compare", "history"]),
     ("Studies", ["Study", "StudyResult"]),
     (
         "Results",
         ["Run", "Prediction", "Plan", "Readiness", "Check", "Precalibration", "Identification", "Diagnosis", "Finding", "Cause"]
-        + ["Comparison", "History", "Change", "Import", "Channels", "Table"],
+        + ["Comparison", "Replay", "History", "Change", "Import", "Channels", "Table"],
     ),
 ]
 SECTIONS = ("Parameters", "Attributes", "Returns", "Raises", "Warns", "Examples")
@@ -84,7 +84,7 @@ def members(owner: type) -> Iterator[tuple[str, Any]]:
 
 def page() -> str:
     out = ["# Reference of the Python package", ""]
-    out += ["[PYTHON.md](PYTHON.md) is the introduction. Lengths are in metres, angles in radians, forces in newtons; quaternions have w first.", ""]
+    out += ["`docs/PYTHON.md` is the introduction. Lengths are in metres, angles in radians, forces in newtons; quaternions have w first.", ""]
     for title, names in [*GROUPS, ("Plots", [f"plot.{name}" for name in tautline.plot.__all__])]:
         out += [f"## {title}", ""]
         if title == "Plots":

@@ -1,9 +1,11 @@
-"""What is exported for other programs, judged by these programs: MuJoCo itself, and the kinematics of RepRapFirmware's Hangprinter
-rewritten from its documentation."""
+"""What is exported for other programs, judged by these programs: MuJoCo itself, also as a reader of URDF, and the kinematics of
+RepRapFirmware's Hangprinter rewritten from its documentation; SDF and the yaml of cdpr by the positions in them."""
 
 import json
 import re
+import shutil
 import subprocess
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import mujoco
@@ -143,6 +145,34 @@ def test_the_text_of_the_user_keeps_everything_else(program: Path, tmp_path: Pat
     assert [line.split()[0] for line in changed] == ["M669", "M666"]
 
 
+def test_lines_from_one_series_of_a_hangprinter_hold_in_another(program: Path, tmp_path: Path) -> None:
+    """Real machine, firmware rewritten: what remains of its error in the series that was not fitted is the noise of the camera."""
+    data = Path(__file__).parents[4] / "shared/data/hangprinter"
+    if not data.is_dir():
+        pytest.skip("the measurements of the Hangprinter are not beside the repository")
+    old, new, places = tmp_path / "old.g", tmp_path / "new.g", tmp_path / "places.g"
+    tautline(program, "export", data / "series2/robot.json", "--for", "reprap", "-o", old)
+    onto = ("export", data / "series2", "--for", "reprap", "--onto", old)
+    said = tautline(program, *onto, "--effect", "winch_scale,drum_growth", "-o", new)
+    assert "NOT explain" not in said
+    assert "as it is: 9.64 mm expected. These lines: 1.18 mm expected" in said
+    assert "does NOT explain the readings, so expect more" in tautline(program, *onto, "-o", places)
+    rows = np.genfromtxt(data / "series1/poses.csv", delimiter=",", names=True)
+    revolutions = np.array([rows[f"rev_{number}"] for number in range(1, 5)]).T
+    measured = 1e3 * np.array([rows[f"meas_{axis}_m"] for axis in "xyz"]).T
+    noise = 1e3 * np.sqrt(np.sum([np.mean(rows[f"meas_sd_{axis}_m"] ** 2) for axis in "xyz"]))
+
+    def rms(config: Path) -> float:
+        firmware = Hangprinter(config.read_text())
+        missed = np.array([firmware.position(row) for row in revolutions]) - measured
+        return float(np.sqrt(np.mean(np.sum(missed**2, axis=1))))
+
+    assert rms(old) > 2.5 * noise, (rms(old), noise)
+    assert rms(new) < 1.2 * noise, (rms(new), noise)
+    # As docs/VALIDATION.md has them.
+    assert [f"{value:.1f}" for value in (rms(old), rms(new), rms(places), noise)] == ["16.0", "5.1", "14.0", "5.7"]
+
+
 def lengths_of_tendons(file: Path, poses: list[tuple[Array, Array]]) -> Array:
     """Lengths of all tendons with the platform at each pose (position, quaternion), each pulley towards its cable."""
     model = mujoco.MjModel.from_xml_path(str(file))
@@ -216,3 +246,155 @@ def test_a_model_of_mujoco_is_read_and_corrected(program: Path, tmp_path: Path) 
         for length, cable in zip(row, robot["cables"], strict=True):
             anchor = position + turned(quaternion, np.array(cable["platform_anchor_m"]))
             assert abs(length - np.linalg.norm(anchor - cable["pulley"]["entry_point_m"])) < 1e-5
+
+
+def robot_of_eyelets(program: Path, folder: Path) -> dict:
+    """The machine `mini` with points in place of pulleys, turned at home, and an inertia with all its numbers."""
+    file = folder / "robot.json"
+    tautline(program, "new", "mini", "-o", file)
+    robot: dict = json.loads(file.read_text())
+    for cable in robot["cables"]:
+        cable["pulley"]["radius_m"] = 0
+    turn = np.array([1, 0.03, 0.05, 0.04])
+    robot["home"]["orientation_wxyz"] = (turn / np.linalg.norm(turn)).tolist()
+    robot["platform"].setdefault("mass_kg", 1.5)
+    robot["platform"].update({"center_of_mass_m": [0.001, 0.002, 0.003], "inertia_kg_m2": [1, 2, 2.5, 0.1, 0.2, 0.3]})
+    file.write_text(json.dumps(robot))
+    return robot
+
+
+def urdf_of(text: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """A URDF as MuJoCo reads it, with links that are fixed to others kept as bodies."""
+    kept = '<mujoco><compiler fusestatic="false"/></mujoco></robot>'
+    model = mujoco.MjModel.from_xml_string(text.replace("</robot>", kept))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return model, data
+
+
+def points_at_home(robot: dict) -> list[tuple[str, Array, Array]]:
+    """Names in a new text, entry points and anchors in the base frame."""
+    home = robot["home"]
+    place, turn = np.array(home["position_m"]), np.array(home["orientation_wxyz"])
+    points = []
+    for cable in robot["cables"]:
+        anchor = place + turned(turn, np.array(cable["platform_anchor_m"]))
+        points.append((cable["name"].removeprefix("cable-"), np.array(cable["pulley"]["entry_point_m"]), anchor))
+    return points
+
+
+def test_mujoco_reads_the_same_robot_in_urdf(program: Path, tmp_path: Path) -> None:
+    robot, out = robot_of_eyelets(program, tmp_path), tmp_path / "robot.urdf"
+    said = tautline(program, "export", tmp_path / "robot.json", "--for", "urdf", "-o", out)
+    assert "These lines: 0.00 mm expected" in said
+    model, data = urdf_of(out.read_text())
+    for name, entry, anchor in points_at_home(robot):
+        assert np.abs(data.body(f"pulley_{name}").xpos - entry).max() < 1e-5
+        assert np.abs(data.body(f"anchor_{name}").xpos - anchor).max() < 1e-5
+    platform = model.body("platform")
+    assert model.nv == 6
+    assert platform.mass[0] == robot["platform"]["mass_kg"]
+    assert np.abs(platform.ipos - robot["platform"]["center_of_mass_m"]).max() < 1e-9
+    xx, yy, zz, xy, xz, yz = robot["platform"]["inertia_kg_m2"]
+    principal = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    assert np.abs(np.sort(platform.inertia) - principal).max() < 1e-9
+
+
+def turned_by_angles(roll: float, pitch: float, yaw: float) -> Array:
+    """Rotation about the fixed axes x, y and z in this order."""
+    (a, b, c), (s, t, u) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    about_x = np.array([[1, 0, 0], [0, a, -s], [0, s, a]])
+    about_y = np.array([[b, 0, t], [0, 1, 0], [-t, 0, b]])
+    about_z = np.array([[c, -u, 0], [u, c, 0], [0, 0, 1]])
+    return np.asarray(about_z @ about_y @ about_x)
+
+
+def test_frames_of_sdf_are_where_the_points_are(program: Path, tmp_path: Path) -> None:
+    robot, out = robot_of_eyelets(program, tmp_path), tmp_path / "robot.sdf"
+    tautline(program, "export", tmp_path / "robot.json", "--for", "sdf", "-o", out)
+    model = ET.parse(out).getroot().find("model")
+    assert model is not None
+    places = {one.get("name", ""): np.array((one.findtext("pose") or "0 0 0 0 0 0").split(), float) for one in model}
+    platform = places["platform"]
+    turn = turned_by_angles(*platform[3:])
+    for name, entry, anchor in points_at_home(robot):
+        assert np.abs(places[f"pulley_{name}"][:3] - entry).max() < 1e-5
+        assert np.abs(platform[:3] + turn @ places[f"anchor_{name}"][:3] - anchor).max() < 1e-5
+    attached = {one.get("name", "").split("_")[0]: one.get("attached_to") for one in model.iter("frame")}
+    assert attached == {"pulley": "base", "anchor": "platform"}
+    inertia = model.find("link[@name='platform']/inertial/inertia")
+    assert inertia is not None
+    found = [float(inertia.findtext(name) or "nan") for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
+    assert found == robot["platform"]["inertia_kg_m2"]
+
+
+@pytest.mark.skipif(shutil.which("gz") is None, reason="gz, which checks SDF, is not installed here")
+def test_gazebo_accepts_the_sdf(program: Path, tmp_path: Path) -> None:
+    robot_of_eyelets(program, tmp_path)
+    tautline(program, "export", tmp_path / "robot.json", "--for", "sdf", "-o", tmp_path / "robot.sdf")
+    done = subprocess.run(["gz", "sdf", "-k", tmp_path / "robot.sdf"], capture_output=True, text=True)
+    assert "Valid." in done.stdout, done.stdout + done.stderr
+
+
+def test_the_yaml_of_cdpr_has_the_points(program: Path, tmp_path: Path) -> None:
+    robot, out = robot_of_eyelets(program, tmp_path), tmp_path / "robot.yaml"
+    tautline(program, "export", tmp_path / "robot.json", "--for", "cdpr", "-o", out)
+    text = out.read_text()
+
+    def lists(key: str) -> Array:
+        return np.array([json.loads(found) for found in re.findall(rf"{key}: (\[.*\])", text)])
+
+    frames, place = lists("frame"), lists("xyz")[0]
+    turn = turned_by_angles(*lists("rpy")[0])
+    for (_, entry, anchor), frame, end in zip(points_at_home(robot), frames, lists("platform"), strict=True):
+        assert np.abs(frame - entry).max() < 1e-5
+        assert np.abs(place + turn @ end - anchor).max() < 1e-5
+    assert np.all(lists("lower") <= frames) and np.all(frames <= lists("upper"))
+
+
+def test_a_robot_with_pulleys_loses_them_in_urdf(program: Path, tmp_path: Path) -> None:
+    tautline(program, "new", "mini", "-o", tmp_path / "robot.json")
+    said = tautline(program, "export", tmp_path / "robot.json", "--for", "urdf")
+    assert re.search(r"These lines: 0\.\d\d mm expected; .* Not expressible: pulleys \(", said), said
+
+
+MINE = """<robot name="mine">
+  <!-- the frame on its foot -->
+  <link name="world"/>
+  <link name="frame"/>
+  <joint name="foot" type="fixed"><origin xyz="0 0 0.5"/><parent link="world"/><child link="frame"/></joint>
+  <link name="tool"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="hangs" type="floating"><origin xyz="0 0 1.1"/><parent link="world"/><child link="tool"/></joint>
+{points}</robot>
+"""
+POINT = '  <link name="{0}"/>\n  <joint name="to_{0}" type="fixed"><origin xyz="{1}"/><parent link="{2}"/><child link="{0}"/></joint>\n'
+
+
+def test_a_urdf_is_read_and_corrected(program: Path, tmp_path: Path) -> None:
+    """A machine whose points are elsewhere than in the user's file: the places are corrected in it, and MuJoCo agrees."""
+    corners = [np.array([x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    points = ""
+    for number, corner in enumerate(corners):
+        entry, anchor = corner * [1.2, 0.9, 0.8] + [0, 0, 0.6], corner[[1, 0, 2]] * [0.1, 0.12, 0.08]
+        points += POINT.format(f"pulley_{number}", " ".join(map(str, entry)), "frame")
+        points += POINT.format(f"anchor_{number}", " ".join(map(str, anchor)), "tool")
+    mine, file, out = tmp_path / "mine.urdf", tmp_path / "robot.json", tmp_path / "new.urdf"
+    text = MINE.format(points=points)
+    mine.write_text(text)
+    tautline(program, "import", mine, "-o", file)
+    robot = json.loads(file.read_text())
+    del robot["platform"]["mass_kg"]
+    rng = np.random.default_rng(9)
+    for cable in robot["cables"]:
+        cable["pulley"]["entry_point_m"] = (cable["pulley"]["entry_point_m"] + rng.normal(0, 0.01, 3)).tolist()
+        cable["platform_anchor_m"] = (cable["platform_anchor_m"] + rng.normal(0, 0.003, 3)).tolist()
+    file.write_text(json.dumps(robot))
+    said = tautline(program, "export", file, "--for", "urdf", "--onto", mine, "-o", out)
+    assert "These lines: 0.00 mm expected" in said
+    _, data = urdf_of(out.read_text())
+    for name, entry, anchor in points_at_home(robot):
+        assert np.abs(data.body(f"pulley_{name}").xpos - entry).max() < 2e-5
+        assert np.abs(data.body(f"anchor_{name}").xpos - anchor).max() < 2e-5
+    assert mine.read_text() == text
+    places = re.compile(r'xyz="[^"]*"')
+    assert places.sub("", out.read_text()) == places.sub("", text)

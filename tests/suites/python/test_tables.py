@@ -148,3 +148,33 @@ def test_texts_in_tables_are_escaped(run: tautline.Run) -> None:
     data = run.dataset.copy()
     data.robot.description["name"] = "<script>"
     assert "<script>" not in data._repr_html_()
+
+
+def test_places_of_pulleys_are_a_robot(tmp_path: Path) -> None:
+    robot = tautline.Robot.preset("hall")
+    cables = robot.description["cables"]
+    pulleys = robot.entry_points_m
+    platform = np.array([cable["platform_anchor_m"] for cable in cables])
+    drums = np.full(len(cables), 0.16)
+    made = tautline.Robot.from_arrays(pulleys, platform, name="places", drum_diameters_m=drums)
+    sheet = pandas.DataFrame({f"Pulley {axis} [mm]": 1e3 * pulleys[:, k] for k, axis in enumerate("xyz")})
+    for k, axis in enumerate("xyz"):
+        sheet[f"Platform {axis} [m]"] = platform[:, k]
+    sheet["Drum radius [cm]"] = 8.0
+    sheet.to_csv(tmp_path / "places.csv", index=False)
+    np.savez(tmp_path / "places.npz", pulleys=pulleys, platform=platform, drum_diameter_m=drums)
+    np.savez(tmp_path / "transposed.npz", A=pulleys.T, B=platform.T)
+    for file in ("places.csv", "places.npz", "transposed.npz"):
+        read = tautline.import_robot(tmp_path / file)
+        assert np.allclose(read.entry_points_m, pulleys, atol=1e-12), file
+        anchors = [cable["platform_anchor_m"] for cable in read.description["cables"]]
+        assert np.allclose(anchors, platform, atol=1e-12), file
+        if file.startswith("places"):
+            assert np.allclose([cable["winch"]["drum_diameter_m"] for cable in read.description["cables"]], 0.16), file
+            assert read.cables == made.cables and read.description["home"] == made.description["home"]
+    planar = tautline.Robot.from_arrays(pulleys[:4, :2])
+    assert planar.description["platform"]["free"] == ["x", "y"]
+    with pytest.raises(ValueError, match="found 2 rows for 8 cables"):
+        tautline.Robot.from_arrays(pulleys, platform[:2])
+    with pytest.raises(ValueError, match=r"found an array of shape \(8,\), expected"):
+        tautline.Robot.from_arrays(drums)

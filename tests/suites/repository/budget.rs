@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7956),
-    ("core", 37152),
-    ("import", 18349),
-    ("link", 10439),
-    ("python", 953),
-    ("session", 7968),
+    ("cli", 7669),
+    ("core", 37254),
+    ("import", 18732),
+    ("link", 10444),
+    ("python", 987),
+    ("session", 7969),
     ("study", 3110),
-    ("workbench", 37518),
-    ("workflow", 19554),
+    ("workbench", 37813),
+    ("workflow", 19994),
 ];
 
 fn is_of_tests(path: &Path) -> bool {

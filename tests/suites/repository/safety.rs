@@ -5,6 +5,8 @@ use std::fs;
 use std::path::Path;
 
 const SAFETY: &str = include_str!("../../../docs/SAFETY.md");
+/// All tests of each row, of which the page names one or two.
+const TESTS: &str = include_str!("../../../docs/safety/tests.txt");
 
 /// Names of all tests in the Rust files below a folder.
 fn tests(folder: &Path, names: &mut HashSet<String>) {
@@ -42,8 +44,9 @@ fn every_test_that_shows_a_guarantee_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     tests(&root.join("src"), &mut known);
     tests(&root.join("tests"), &mut known);
-    let named = named(SAFETY);
-    assert!(named.len() > 30, "only {} tests are named", named.len());
+    let texts = [SAFETY, TESTS].concat();
+    let named = named(&texts);
+    assert!(named.len() > 200, "only {} tests are named", named.len());
     let missing: Vec<&&str> = named
         .iter()
         .filter(|name| !known.contains(**name))
@@ -62,6 +65,9 @@ fn every_guarantee_and_every_hazard_names_a_test() {
             .take_while(|line| line.starts_with('|'))
         {
             assert!(!named(row).is_empty(), "{row}");
+            for name in named(row) {
+                assert!(TESTS.contains(&format!("`{name}`")), "{name}");
+            }
             rows += 1;
         }
     }

@@ -39,7 +39,7 @@ fn drop_file(bench: &mut Bench, path: &Path) {
 
 /// A file of the worked examples.
 pub fn example(name: &str) -> String {
-    let path = tautline_validation::generators::your_data::page().with_file_name("your-data");
+    let path = tautline_validation::generators::your_data::folder();
     std::fs::read_to_string(path.join(name)).expect("an example")
 }
 

@@ -34,6 +34,7 @@ mod robot_3d;
 mod saving;
 mod session_file;
 mod signs;
+mod simulator;
 mod start;
 mod statistics;
 mod stop;

@@ -1,13 +1,18 @@
 //! Files of phases 3 and 5.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use tautline_link::export::{differences_csv, structured_text};
+use tautline_import::{Dialect, read_description_text};
+use tautline_link::export::{differences_csv, identified_constants};
 use tautline_session::{write_check, write_plan, write_text};
+use tautline_workflow::exporting::dialect_text;
 
+use crate::commands::file_dialog::pick;
 use crate::commands::file_tasks::{ask_save, write as write_file, written};
 use crate::model::Model;
-use crate::model::command::Export;
+use crate::model::command::file_choice::FileRequest;
+use crate::model::command::{CorrectedFile, Export, FileCorrection, RobotCommand};
 use crate::model::dialogs::SaveContent;
 
 pub(super) fn ask(model: &mut Model, export: Export) {
@@ -43,10 +48,39 @@ fn content(model: &Model, export: Export) -> Option<String> {
         }
         Export::StructuredText => {
             let fit = open.fit().filter(|_| open.fit_is_current())?;
-            let parameters = tautline_link::parameters::parameters_and_home_lengths(&fit.model);
-            let title = format!("Identified parameters of {}", session.robot.name);
-            return Some(structured_text(&title, &parameters));
+            return Some(identified_constants(&fit.model));
         }
     }
     String::from_utf8(bytes).ok()
+}
+
+pub(super) fn ask_firmware(model: &mut Model) {
+    let request = FileRequest::file("File of a firmware or simulator", &[]);
+    pick(model, request, RobotCommand::Firmware);
+}
+
+/// Takes the identified values into the text of a file, which stays as it is.
+pub(super) fn correct(model: &mut Model, path: &Path) {
+    let open = model.open.as_ref().filter(|open| open.fit_is_current());
+    let Some((inputs, fit)) = open.and_then(|open| Some((open.inputs(), Arc::clone(open.fit()?))))
+    else {
+        return;
+    };
+    let path = path.to_owned();
+    model.tasks.start("Correcting a file", move |_| {
+        let file = path.file_name().unwrap_or_default();
+        let file = file.to_string_lossy().into_owned();
+        let corrected = || -> Result<_, String> {
+            let text = read_description_text(&path).map_err(|error| error.to_string())?;
+            let dialect = Dialect::of(&text).ok_or_else(|| {
+                format!("{file}: found a text of another kind, expected config.g, printer.cfg, maslow.yaml, MJCF, SDF or URDF")
+            })?;
+            let written = dialect_text(&fit.model, Some(&fit), dialect, Some((&file, &text)));
+            let written = written.map_err(|error| error.to_string())?;
+            let lines = written.changed_lines(&text);
+            Ok(Box::new(CorrectedFile { written, lines }))
+        };
+        let result = corrected();
+        FileCorrection { inputs, file, result }.into()
+    });
 }

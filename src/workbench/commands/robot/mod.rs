@@ -59,6 +59,8 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::RollBack => adjust::roll_back(model),
         RobotCommand::AskExport(export) => files::ask(model, export),
         RobotCommand::Export(export, path) => files::write(model, export, path),
+        RobotCommand::AskFirmware => files::ask_firmware(model),
+        RobotCommand::Firmware(path) => files::correct(model, &path),
         RobotCommand::Reveal => adjust::reveal(model),
     }
 }

@@ -20,6 +20,10 @@ pub enum CompareCommand {
     Clear(Side),
     Swap,
     Again,
+    /// Asks for the readings of a simulator.
+    AskSimulator,
+    /// Compares the readings of a simulator with those of the session.
+    Simulator(PathBuf),
 }
 
 #[derive(Debug)]

@@ -29,7 +29,10 @@ pub use record::{CHECKING_HEALTH, READING_RECORD, RecordCommand, RecordOutcome};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub(crate) use robot::STOP;
-pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
+pub use robot::{
+    CorrectedFile, EXPECTING, Export, FileCorrection, PLANNING, PlanOutcome, PlanOutlook,
+    RobotCommand, WriteDraft,
+};
 pub use setup::{CHECKING, Setup, SetupOutcome, UserFile};
 pub use study::{AskedRobot, SIMULATING, StudyCommand};
 pub use view::{PoseStep, ViewCommand};
@@ -37,6 +40,7 @@ pub use view::{PoseStep, ViewCommand};
 use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
+use super::comparison::SimulatorComparison;
 use super::edit::Edit;
 use super::link::LinkRequest;
 use super::plot_preparation::Preparation;
@@ -95,10 +99,14 @@ pub enum Outcome {
     Prepared(Box<Preparation>),
     /// Of planning poses.
     Plan(PlanOutcome),
+    /// Of taking identified values into a file.
+    Corrected(FileCorrection),
     /// Of looking symbols up or reading their names.
     Setup(SetupOutcome),
     /// Of comparing two sessions.
     Compare(CompareOutcome),
+    /// Of comparing a simulator with the machine.
+    Simulator(SimulatorComparison),
     /// Of reading the record of a robot.
     Record(RecordOutcome),
     /// Of hypotheses and the gallery.
@@ -144,8 +152,10 @@ from!(
     IdentificationOutcome => Outcome::Identification,
     RobotCommand => Command::Robot,
     PlanOutcome => Outcome::Plan,
+    FileCorrection => Outcome::Corrected,
     SetupOutcome => Outcome::Setup,
     CompareOutcome => Outcome::Compare,
+    SimulatorComparison => Outcome::Simulator,
     RecordOutcome => Outcome::Record,
     HypothesisOutcome => Outcome::Hypothesis,
 );

@@ -10,6 +10,7 @@ use super::Setup;
 use crate::model::OpenSession;
 use crate::model::link::LinkRequest;
 use tautline_workflow::adjusting::{Doubt, Purpose, Review};
+use tautline_workflow::exporting::DialectText;
 use tautline_workflow::planning::PlanSummary;
 
 pub const PLANNING: &str = "Planning poses";
@@ -69,6 +70,10 @@ pub enum RobotCommand {
     AskExport(Export),
     /// Writes a file.
     Export(Export, PathBuf),
+    /// Asks for a file of a firmware or simulator.
+    AskFirmware,
+    /// Takes the identified values into the text of such a file.
+    Firmware(PathBuf),
     Reveal,
 }
 
@@ -80,6 +85,24 @@ impl RobotCommand {
             Self::Connect | Self::ConnectAndArm | Self::Link(LinkRequest::Disconnect)
         )
     }
+}
+
+/// The identified values in a file of a firmware or simulator.
+#[derive(Debug)]
+pub struct FileCorrection {
+    /// Number of the inputs of the session from which they were identified.
+    pub inputs: u64,
+    pub file: String,
+    /// The corrected text, or one sentence.
+    pub result: Result<Box<CorrectedFile>, String>,
+}
+
+/// A corrected text.
+#[derive(Debug)]
+pub struct CorrectedFile {
+    pub written: DialectText,
+    /// The lines that change, to be pasted.
+    pub lines: String,
 }
 
 /// Values that are to be written, while that is to be confirmed.

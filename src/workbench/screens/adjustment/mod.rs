@@ -1,6 +1,7 @@
 //! Panel of the phase Adjustment: controller values beside identified ones, writing, verifying.
 
 mod checks;
+mod firmware;
 mod record;
 mod reveal;
 mod table;
@@ -65,6 +66,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if current {
         compare(ui, model, panel, outbox, &review);
         write(ui, model, outbox, &review);
+        firmware::show(ui, model, outbox);
     }
     record::show(ui, model);
     verification::show(ui, model, panel, outbox);

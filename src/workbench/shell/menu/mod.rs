@@ -7,8 +7,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::model::command::{
-    Command, DIAGNOSING, FileCommand, HypothesisCommand, IDENTIFYING, IdentificationCommand,
-    RecordCommand, RobotCommand, STOP, Setup, ViewCommand,
+    Command, CompareCommand, DIAGNOSING, FileCommand, HypothesisCommand, IDENTIFYING,
+    IdentificationCommand, RecordCommand, RobotCommand, STOP, Setup, ViewCommand,
 };
 use crate::model::link::LinkRequest;
 use crate::model::manual::Page;
@@ -182,6 +182,11 @@ fn model(state: &State) -> Vec<Item> {
             .first(),
         compute("Diagnose model", measured, IdentificationCommand::Diagnose).keys(CONTROL, Key::D),
         compute("Cancel computation", computing, IdentificationCommand::Stop),
+        line(
+            "Compare with a simulator…",
+            open.is_some_and(|open| open.fit().is_some()),
+            CompareCommand::AskSimulator.into(),
+        ),
         line("New hypothesis", true, new.into()).first(),
         line(
             "Show the hypothesis",

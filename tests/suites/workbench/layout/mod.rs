@@ -211,7 +211,7 @@ fn the_import_fits() {
         .send(RecordingCommand::Show);
     settle(&mut harness);
     check(&mut harness, "import without a file");
-    let folder = tautline_validation::generators::your_data::page().with_file_name("your-data");
+    let folder = tautline_validation::generators::your_data::folder();
     for name in ["mistakes.csv", "points.txt", "capture.csv"] {
         let path = folder.join(name);
         give(&mut harness, RecordingCommand::Read(path));

@@ -52,7 +52,7 @@ fn examples(words: &[&str]) -> Vec<String> {
 }
 
 /// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
-const NEED_MORE: [&str; 10] = [
+const NEED_MORE: [&str; 12] = [
     "--hypothesis",
     "--record",
     "tautline history",
@@ -63,6 +63,8 @@ const NEED_MORE: [&str; 10] = [
     "~/",
     "--roll-back",
     "config.g",
+    "pulleys.xlsx",
+    "simulated.csv",
 ];
 
 #[cfg(unix)]

@@ -14,9 +14,8 @@ use tautline_validation::support::program::start;
 use super::program::{Folder, tautline};
 
 /// Cases of the table that go through the program, too; all of them go through the reader.
-const REPRESENTATIVE: [&str; 12] = [
+const REPRESENTATIVE: [&str; 11] = [
     "no folder",
-    "a file as dataset",
     "no robot.json",
     "robot.json a folder",
     "truncated JSON",
@@ -79,7 +78,7 @@ fn unknown_names_are_reported() {
     }
     for command in ["identify", "precalibrate"] {
         let answer = tautline(&[command, &folder.join("nowhere")]);
-        answer.refused(&["nowhere: not found, expected a dataset folder"]);
+        answer.refused(&["nowhere: not found, expected a session file or a dataset folder"]);
     }
 }
 

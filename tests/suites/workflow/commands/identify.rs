@@ -261,3 +261,49 @@ fn statistics_are_written_reading_by_reading_and_value_by_value() {
         answer.stderr
     );
 }
+
+/// Whatever takes a dataset takes a session, with the method and the effects that it states.
+#[test]
+fn sessions_are_taken_wherever_datasets_are() {
+    let folder = Folder::new();
+    let sample = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sessions/mini-winch-scale/session.json"
+    );
+    let mut session: Value =
+        serde_json::from_slice(&std::fs::read(sample).expect("a session")).expect("JSON");
+    session["settings"]["identification"]["effects"] =
+        serde_json::json!([{"effect": "winch_scale", "targets": ["cable-3"], "parameters": {}}]);
+    let session = folder.write("session.json", &session.to_string());
+    let model = folder.join("model.json");
+    let document = identify(&session, &["--model-out", &model]).json();
+    assert!(number(&document, "/p_value") > 1e-3);
+    assert_eq!(document["effects"][0]["effect"], "winch_scale");
+    // The deviations of the parts, which the session's robot may have, are held at their identified values.
+    let evaluated = evaluate(&session, &model);
+    assert!(number(&evaluated, "/p_value") > 1e-3);
+    assert!((number(&evaluated, "/chi2") / number(&document, "/chi2") - 1.0).abs() < 0.3);
+    assert_eq!(tautline(&["check", &session]).code, Some(0));
+    let values = tautline(&["export", &session, "--table", "values", "-o", "-"]).succeeded();
+    assert!(values.stdout.contains("Winch scale"), "{}", values.stdout);
+    let dataset = simulate(&folder, "mini", 20, &[]);
+    for subject in [&session, &dataset] {
+        let (text, table) = (folder.join("out.st"), folder.join("out.csv"));
+        let files = ["--structured-text", &text, "--csv", &table, "--replace"];
+        tautline(&[&["adjust", subject][..], &files].concat()).succeeded();
+        let exported = tautline(&["export", subject, "--for", "structured-text"]).succeeded();
+        let written = std::fs::read_to_string(&text).expect("constants");
+        assert_eq!(written.trim_end(), exported.stdout.trim_end());
+        let table = std::fs::read_to_string(&table).expect("a table");
+        assert!(table.starts_with("name,unit,controller,identified,difference,sd"));
+    }
+    // What is for a controller is not done silently without one.
+    let table = folder.join("unarmed.csv");
+    for more in [
+        &[][..],
+        &["--csv", &table, "--arm"],
+        &["--csv", &table, "--roll-back"],
+    ] {
+        tautline(&[&["adjust", &dataset], more].concat()).refused(&["--controller: "]);
+    }
+}

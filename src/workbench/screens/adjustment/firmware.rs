@@ -1,0 +1,77 @@
+//! The identified values in the user's file for a firmware or a simulator: what changes, and what the file cannot express.
+
+use egui::Ui;
+use egui_material_icons::icons;
+
+use crate::model::Model;
+use crate::model::command::{
+    CorrectedFile, FileCorrection, Outbox, PlotCommand, PlotFile, RobotCommand,
+};
+use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+
+pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    section(ui, "Firmware or simulator");
+    muted(
+        ui,
+        "The identified values in your config.g, printer.cfg, maslow.yaml or model of MuJoCo, ROS or Gazebo. The file itself stays as it is.",
+    );
+    let corrected = model.corrected_file();
+    ui.horizontal_wrapped(|ui| {
+        if icon_button(ui, icons::ICON_FOLDER_OPEN, "Choose file…", true).clicked() {
+            outbox.send(RobotCommand::AskFirmware);
+        }
+        if let Some(FileCorrection {
+            file,
+            result: Ok(corrected),
+            ..
+        }) = corrected
+        {
+            if icon_button(ui, icons::ICON_CONTENT_COPY, "Copy lines", true).clicked() {
+                ui.ctx().copy_text(corrected.lines.clone());
+            }
+            if icon_button(ui, icons::ICON_DOWNLOAD, "Save as…", true).clicked() {
+                let text = PlotFile::Text(corrected.written.text.clone());
+                outbox.send(PlotCommand::AskSave(file.clone(), text));
+            }
+        }
+    });
+    match corrected {
+        None => {}
+        Some(FileCorrection {
+            result: Err(error), ..
+        }) => verdict(ui, Verdict::Bad, error),
+        Some(FileCorrection {
+            file,
+            result: Ok(corrected),
+            ..
+        }) => changes(ui, file, corrected),
+    }
+}
+
+fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
+    let columns = [
+        Column::words("Value"),
+        Column::number("Old", ""),
+        Column::number("New", ""),
+        Column::number("±", ""),
+        Column::words("Unit"),
+    ];
+    let values = corrected.written.values.iter();
+    let rows: Vec<Vec<Cell>> = values
+        .map(|value| {
+            let row = &value.parameter.row;
+            let number = |number: f64| format!("{number:.*}", row.digits);
+            let cells = [
+                value.parameter.key.clone(),
+                number(value.parameter.value),
+                value.new.clone(),
+                value.sd.map_or_else(|| "–".to_owned(), number),
+                row.unit.0.to_owned(),
+            ];
+            cells.map(Cell::new).into()
+        })
+        .collect();
+    ui.label(corrected.written.loss_in_words());
+    muted(ui, &format!("{file}: {} values change", rows.len()));
+    table(ui, &columns, &rows, None);
+}
