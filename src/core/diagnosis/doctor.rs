@@ -96,7 +96,6 @@ fn allow_for_wrong_drawing(
     }
     let is_noisier = variance > 1.0;
     let mut diagnosed = |data| diagnose_independent((data, rows), options, report);
-    let as_stated = is_noisier.then(|| diagnosed(&stated)).transpose()?;
     let other = diagnosed(&wide)?;
     if other.cancelled {
         *found = other;
@@ -105,15 +104,9 @@ fn allow_for_wrong_drawing(
     let Some(evidence) = drawing_evidence(&dataset.robot, &other.extended_solution) else {
         return Ok(false);
     };
-    let known = evidence.of_stated + log_evidence(as_stated.as_ref().unwrap_or(found), 1.0);
-    let wrong = evidence.of_wider + log_evidence(&other, 1.0);
-    let log_odds = wrong - known;
-    let is_open = log_odds.abs() < log_naming_odds();
-    if (is_open && list_drawing(found, (&dataset.robot, &other), log_odds)) || log_odds < 0.0 {
-        return Ok(false);
-    }
-    let mut doubtful = cables_of_errors(as_stated.as_ref().unwrap_or(found));
+    // Errors that wider places leave are none of the drawing, which is then judged by the readings of the other cables.
     let also = cables_of_errors(&other);
+    let mut doubtful = cables_of_errors(found);
     doubtful.retain(|cable| also.contains(cable));
     if !doubtful.is_empty() {
         let rest = without_cables(dataset, &doubtful);
@@ -121,11 +114,24 @@ fn allow_for_wrong_drawing(
             // The other readings do not determine the poses.
             return Ok(false);
         };
-        let is_wrong = allow_for_wrong_drawing((&rest, rows), &mut of_rest, options, report)?;
+        let is_wrong = !of_rest.base.adequate
+            && !of_rest.cancelled
+            && allow_for_wrong_drawing((&rest, rows), &mut of_rest, options, report)?;
         found.cancelled |= of_rest.cancelled;
         if !is_wrong || found.cancelled {
             return Ok(false);
         }
+    }
+    let as_stated = match is_noisier {
+        true => Some(diagnose_independent((&stated, rows), options, report)?),
+        false => None,
+    };
+    let known = evidence.of_stated + log_evidence(as_stated.as_ref().unwrap_or(found), 1.0);
+    let wrong = evidence.of_wider + log_evidence(&other, 1.0);
+    let log_odds = wrong - known;
+    let is_open = log_odds.abs() < log_naming_odds();
+    if (is_open && list_drawing(found, (&dataset.robot, &other), log_odds)) || log_odds < 0.0 {
+        return Ok(false);
     }
     *found = match is_noisier {
         true => diagnose_independent((&wider, rows), options, report)?,
@@ -154,8 +160,7 @@ fn list_drawing(found: &mut Diagnosis, (robot, with): (&Robot, &Diagnosis), log_
     !unknown.is_empty()
 }
 
-/// Cables in whose readings a diagnosis leaves an error without a name. If it is left with wider places, too, they only take up
-/// a part of it, so that these readings say nothing of the drawing.
+/// Cables in whose readings a diagnosis leaves an error without a name.
 fn cables_of_errors(found: &Diagnosis) -> Vec<usize> {
     let findings = found.findings.iter();
     let errors = findings.filter(|finding| finding.cause().is_none());
