@@ -20,7 +20,7 @@ use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{DiagnosisDocument, stage};
-use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
+use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::formulas::find_formulas;
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, identify as identify_request, identify_published,
@@ -213,8 +213,9 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
     }
     let (session, inputs) = (open.session().clone(), open.inputs());
     let current = open.fit().filter(|_| open.fit_is_current()).cloned();
+    let limit_s = model.diagnosis_limit_s();
     model.tasks.start(DIAGNOSING, move |task| {
-        let result = diagnosed(&session, current, keep, task);
+        let result = diagnosed(&session, current, (keep, limit_s), task);
         IdentificationOutcome::Diagnosed { inputs, result }.into()
     });
 }
@@ -223,7 +224,7 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
 fn diagnosed(
     session: &Session,
     current: Option<Arc<Identification>>,
-    keep: bool,
+    (keep, limit_s): (bool, f64),
     task: &TaskHandle,
 ) -> Result<Option<Box<DiagnosisResult>>, String> {
     let mut dataset = session.dataset();
@@ -238,7 +239,7 @@ fn diagnosed(
         dataset = dataset_to_diagnose(session, &fitted);
     }
     let alpha = session.settings.diagnosis.alpha;
-    let Some(diagnosed) = examined(dataset, alpha, task)? else {
+    let Some(diagnosed) = examined(dataset, (alpha, limit_s), task)? else {
         return Ok(None);
     };
     let record = keep.then(|| record(session, "Diagnosis", &diagnosed.document(), clock::now()));
@@ -271,8 +272,11 @@ fn find_patterns(model: &mut Model) {
     });
 }
 
-fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Diagnosed>, String> {
-    let terms = (alpha, TIME_LIMIT_S);
+fn examined(
+    dataset: Dataset,
+    terms: (f64, f64),
+    task: &TaskHandle,
+) -> Result<Option<Diagnosed>, String> {
     let found = diagnose_dataset(Arc::new(dataset), terms, &mut |progress| {
         let words = stage(progress.stage);
         let text = match progress.findings {

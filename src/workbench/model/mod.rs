@@ -58,6 +58,7 @@ use session_lock::SessionLock;
 use tasks::Tasks;
 use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::Kind;
+use tautline_workflow::diagnosis::TIME_LIMIT_S;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::sequential::planned_poses;
 use tautline_workflow::wording::sentence;
@@ -76,6 +77,8 @@ pub struct Options {
     pub observed: Option<PathBuf>,
     /// Whether files are chosen in a window of the program even where the desktop has dialogs for that.
     pub no_desktop_dialogs: bool,
+    /// Longest time of a diagnosis (s); by default [`TIME_LIMIT_S`].
+    pub diagnosis_limit_s: Option<f64>,
     /// Where passwords are kept; by default in the keyring of the desktop.
     pub passwords: Option<Arc<dyn PasswordStore>>,
 }
@@ -216,6 +219,11 @@ impl Model {
 }
 
 impl Model {
+    /// Longest time of a diagnosis (s).
+    pub(crate) fn diagnosis_limit_s(&self) -> f64 {
+        self.options.diagnosis_limit_s.unwrap_or(TIME_LIMIT_S)
+    }
+
     /// Asks something of panels and views.
     pub fn request(&mut self, request: UiRequest) {
         self.requests.push(request);

@@ -60,6 +60,7 @@ impl Bench {
             folders: Some(folders),
             demo_seed,
             robot_speed: Some(60.0),
+            diagnosis_limit_s: Some(600.0),
             passwords: Some(Arc::new(MemoryPasswords::default())),
             ..Options::default()
         };

@@ -16,7 +16,7 @@ pub fn wait(harness: &mut Harness<'_, App>, what: &str, reached: impl Fn(&State)
     let start = Instant::now();
     while !reached(&harness.state().state) {
         assert!(
-            start.elapsed() < 4 * PATIENCE,
+            start.elapsed() < PATIENCE,
             "{what} does not come; the last message is {:?}; the screen says {:?}",
             harness.state().state.model.messages.last(),
             words(harness)
