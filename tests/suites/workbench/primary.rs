@@ -171,12 +171,12 @@ fn is_listed(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> bool {
     is_planned && findings.any(|finding| finding.causes().any(is_true))
 }
 
-/// One of twenty needs the poses that tell its cause from another.
+/// One may need the poses that tell its cause from another.
 #[test]
-fn alone_it_leads_from_twenty_demonstrations_to_the_true_cause() {
+fn alone_it_leads_from_demonstrations_to_the_true_cause() {
     let folder = tempfile::tempdir().expect("a folder");
     let (mut missed, mut listed) = (Vec::new(), 0);
-    for seed in 0..20 {
+    for seed in 0..6 {
         let (session, truth) = measured_demo(seed);
         let path = folder.path().join(format!("demo-{seed}.json"));
         write_session(&path, &session).expect("written");
