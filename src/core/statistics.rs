@@ -1,7 +1,7 @@
 //! Probability distributions for tests and intervals.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Logarithm of the sum of numbers given by their logarithms; minus infinity for none.
 pub(crate) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
@@ -36,6 +36,16 @@ pub fn chi_square_two_sided(value: f64, degrees_of_freedom: f64) -> Option<f64> 
 pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> Option<f64> {
     let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
     Some(distribution.inverse_cdf(probability.clamp(0.0, 1.0)))
+}
+
+/// Quantile of Student's t distribution; the normal quantile for infinitely many degrees of freedom, `None` without any.
+#[must_use]
+pub fn student_t_quantile(probability: f64, degrees_of_freedom: f64) -> Option<f64> {
+    if degrees_of_freedom.is_infinite() {
+        return Some(normal_quantile(probability));
+    }
+    let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom).ok()?;
+    Some(distribution.inverse_cdf(probability))
 }
 
 /// Probability that the ratio of two independent mean squares exceeds `value`, with `[numerator, denominator]`

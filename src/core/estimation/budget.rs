@@ -90,20 +90,26 @@ impl UncertaintySource {
         }
     }
 
+    /// The source of a reading or an equation of equilibrium.
+    #[must_use]
+    pub fn of_reading(kind: ObservationKind) -> Self {
+        match kind {
+            ObservationKind::Length(_) => Self::Encoders,
+            ObservationKind::Tension(_) => Self::ForceSensors,
+            ObservationKind::Equilibrium(_) => Self::UnexplainedWrench,
+            ObservationKind::Laser => Self::Laser,
+            ObservationKind::Swivel(_) => Self::SwivelSensors,
+            ObservationKind::TrackerPosition(_) | ObservationKind::TrackerOrientation(_) => {
+                Self::ExternalInstrument
+            }
+            ObservationKind::Inclination(_) => Self::Inclinometer,
+        }
+    }
+
     fn of(problem: &Problem<'_>, parameters: &[Parameter], kind: RowKind) -> Self {
         match kind {
             RowKind::AssumedTension(_) => Self::AssumedTensions,
-            RowKind::Observation(kind) => match kind {
-                ObservationKind::Length(_) => Self::Encoders,
-                ObservationKind::Tension(_) => Self::ForceSensors,
-                ObservationKind::Equilibrium(_) => Self::UnexplainedWrench,
-                ObservationKind::Laser => Self::Laser,
-                ObservationKind::Swivel(_) => Self::SwivelSensors,
-                ObservationKind::TrackerPosition(_) | ObservationKind::TrackerOrientation(_) => {
-                    Self::ExternalInstrument
-                }
-                ObservationKind::Inclination(_) => Self::Inclinometer,
-            },
+            RowKind::Observation(kind) => Self::of_reading(kind),
             RowKind::Prior(index) => match parameters[index].id {
                 ParameterId::EntryPoint { .. } => Self::Drawing,
                 ParameterId::PlaneOffset => Self::TargetPlane,

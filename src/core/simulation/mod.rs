@@ -23,8 +23,8 @@ pub(crate) use readings::{PlannedRow, planned_readings, true_directions};
 pub use recording::{Recording, record};
 pub use repeated_runs::RepeatedRuns;
 pub use virtual_robot::{
-    Simulated, SimulationError, SimulationOptions, TrueGeometry, draw_deviations, simulate,
-    true_robot,
+    Simulated, SimulationError, SimulationOptions, TrueGeometry, draw_deviations, drawn_inputs,
+    simulate, true_robot,
 };
 pub(crate) use workspace::bounds;
 pub use workspace::{TensionRange, Workspace};
