@@ -8,31 +8,37 @@ use crate::BadInput;
 use anyhow::Result;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tautline_core::estimation::Control;
+use tautline_study::monte_carlo as monte_carlo_of;
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose};
 use tautline_workflow::history::{RobotRecord, next_calibration_after};
 use tautline_workflow::identification::identify_session;
-use tautline_workflow::report::{Part, ReportChoice, ReportInput, render_report};
+use tautline_workflow::report::{
+    Part, ReportChoice, ReportError, ReportInput, missing_details, render_report,
+};
+use tautline_workflow::wording::list;
 
 use crate::diagnose::diagnose_with_progress;
 use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::position_tolerance::{PositionTolerance, metres};
 use crate::replace::OutputFile;
-use crate::report_format::report_format;
-use crate::{Window, input};
+use crate::report_format::session_report_format;
+use crate::{Window, input, standard_input};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("A dataset, with a decision on each pulley, as PDF", "tautline report mini --tolerance 20 -o mini.pdf"),
     ("With the date of the next calibration", "tautline report mini-2026/08 --record mini-2026 -o mini.html"),
     ("Without budget and log, as HTML", "tautline report mini --without budget,log -o mini.html"),
+    ("A certificate with number, instruments and conditions", "tautline report mini --details certificate.toml -o certificate.pdf"),
+    ("The same as a Digital Calibration Certificate", "tautline report mini --details certificate.toml -o certificate.xml"),
 ]))]
 pub struct Arguments {
     /// Session, robot.json or dataset folder; - is a session on standard input
     #[arg(value_name = "SESSION|DATASET")]
     subject: PathBuf,
-    /// File to write; its name must end with .html or .pdf; - is HTML on standard output
+    /// File to write; its name must end with .html, .pdf or .xml (Digital Calibration Certificate); - is HTML on standard output
     #[arg(short, long, value_name = "FILE")]
     out: OutputFile,
     /// Parts to include, separated by commas; all by default
@@ -62,6 +68,12 @@ pub struct Arguments {
     /// Company for which the report is made
     #[arg(long, default_value = "")]
     company: String,
+    /// What the certificate states beside the results, instead of what the session has
+    #[arg(long, value_name = "FILE.toml")]
+    details: Option<PathBuf>,
+    /// Number of draws for a Monte Carlo of the uncertainties (JCGM 101), beside the linear ones
+    #[arg(long, value_name = "DRAWS", value_parser = clap::value_parser!(u32).range(100..=100_000))]
+    monte_carlo: Option<u32>,
     /// Folder with the sessions of the robot, this one the last: the report has the date of the next calibration then
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
@@ -122,12 +134,15 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
-    let format = report_format("--out", &arguments.out)?;
+    let format = session_report_format("--out", &arguments.out)?;
     if let Some(mm) = arguments.tolerance {
         metres("--tolerance", mm)?;
     }
     let mut session = input::session(&arguments.subject)?;
     HypothesisFiles::default().add_to(&mut session.robot)?;
+    if let Some(path) = &arguments.details {
+        session.settings.certificate = input::noticed(standard_input::versioned_toml(path)?);
+    }
     let next_calibration = arguments.next_calibration()?;
     let choice = arguments.choice();
     let place = arguments.subject.display();
@@ -147,6 +162,9 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         }
         None => None,
     };
+    let draws = arguments.monte_carlo.map(|draws| draws as usize);
+    let monte_carlo = fit.as_ref().zip(draws);
+    let monte_carlo = monte_carlo.map(|(fit, draws)| monte_carlo_of(fit, draws));
     let picture = choice
         .has(Part::Result)
         .then(|| (window.picture)(&session, fit.as_ref()));
@@ -161,8 +179,18 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         diagnosis_outdated: false,
         picture: picture.as_ref().and_then(|png| png.as_deref().ok()),
         next_calibration: next_calibration.as_deref(),
+        monte_carlo: monte_carlo.as_ref(),
         choice: &choice,
         now: clock::now(),
     };
-    write_file(&arguments.out, &render_report(&input, format)?)
+    let bytes = render_report(&input, format).map_err(|error| match error {
+        ReportError::Dcc(reason) => BadInput::new(format!("{place}: {reason}")),
+        other => other.into(),
+    })?;
+    let details = &session.settings.certificate;
+    let missing = missing_details(details, &session.robot);
+    if !missing.is_empty() && !details.number.is_empty() {
+        note!("the certificate does not state: {}", list(&missing));
+    }
+    write_file(&arguments.out, &bytes)
 }

@@ -224,6 +224,7 @@ pub fn report(
             picture: None,
             choice: &choice,
             next_calibration: None,
+            monte_carlo: None,
             now: clock::now(),
         };
         render_report(&input, format).map_err(|e| e.to_string())
@@ -234,7 +235,7 @@ pub fn report(
 fn report_format(out: &Path) -> PyResult<ReportFormat> {
     ReportFormat::of(out).ok_or_else(|| {
         error(format!(
-            "found {}, expected a name that ends with .html or .pdf",
+            "found {}, expected a name that ends with .html, .pdf or .xml",
             out.display()
         ))
     })

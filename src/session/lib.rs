@@ -65,16 +65,17 @@ pub use recovery::{
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use sensors::{Catalogue, CatalogueEntry, Growth, Sensor, SensorSource};
 pub use session::{
-    Acceptance, Adjustment, AdsPlace, AuditTrail, Connection, ControllerKind, DiagnosisSettings,
-    ForeignWrite, IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit,
-    LineLaserSettings, LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp,
-    OpcUaPlace, OpcUaPolicy, OpcUaSecurity, Outcome, Phase, PlannedPose, RecordingPlace,
-    ResultDocument, ResultRecord, RunValues, Session, Settings, Simulator, Stage,
-    StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter,
-    SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, TrailAuthor,
-    TrailEntry, TrailFault, TrailPart, TrailRecord, UntilSettings, UserCertificateFiles,
-    ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
-    without_user, write_session,
+    Acceptance, Adjustment, AdsPlace, AuditTrail, CalibratedInstrument, CertificateDetails,
+    Connection, ControllerKind, DecisionRule, DiagnosisSettings, ForeignWrite,
+    IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
+    LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp, OpcUaPlace,
+    OpcUaPolicy, OpcUaSecurity, Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument,
+    ResultRecord, RunValues, Session, Settings, Simulator, Stage, StoppedVerification,
+    SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose,
+    SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, TrailAuthor, TrailEntry,
+    TrailFault, TrailPart, TrailRecord, UntilSettings, UserCertificateFiles, ValueChange,
+    Verification, day, is_per_cable, name_of_cable, parse_session, read_session, without_user,
+    write_session,
 };
 pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};
@@ -89,5 +90,6 @@ pub fn schemas() -> Vec<Schema> {
         versioned_schema::<session::SessionFile>(),
         versioned_schema::<SymbolMapping>(),
         versioned_schema::<Sensor>(),
+        versioned_schema::<CertificateDetails>(),
     ]
 }

@@ -9,7 +9,9 @@ use tautline_core::robot::FieldError;
 use crate::error::{Loaded, WriteError, below, fail};
 use crate::json::{Migration, VersionedFile, read_versioned, write_versioned};
 use crate::plots::Plots;
-use crate::session::{AdsPlace, LaserSettings, OpcUaPlace, Session, Timestamp};
+use crate::session::{
+    AdsPlace, CalibratedInstrument, LaserSettings, OpcUaPlace, Session, Timestamp,
+};
 
 /// Largest number of recent sessions.
 const MAX_RECENT: usize = 12;
@@ -73,6 +75,12 @@ pub struct Report {
     pub header: String,
     /// Names of the parts to leave out; unknown names are ignored.
     pub without: Vec<String>,
+    /// Name and address of the laboratory that issues certificates.
+    pub laboratory: String,
+    /// Its country: two letters of ISO 3166-1.
+    pub country: String,
+    /// Instruments of the workshop, from which each session chooses.
+    pub instruments: Vec<CalibratedInstrument>,
 }
 
 /// Settings of the last connection, proposed for sessions without settings of their own.

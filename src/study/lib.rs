@@ -10,6 +10,7 @@ pub mod chunk;
 pub mod design;
 pub mod file;
 mod merging;
+mod monte_carlo;
 pub mod plan;
 pub mod report;
 pub mod result;
@@ -21,6 +22,7 @@ pub mod which_sensor;
 
 pub use file::StudyFile;
 pub use merging::{RESULT, calibrations, merge, read_result};
+pub use monte_carlo::monte_carlo;
 pub use plan::{StudyPlan, read_plan};
 pub use result::StudyResult;
 

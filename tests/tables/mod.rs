@@ -1,6 +1,7 @@
 //! The tables of docs/validation.
 
 pub mod adjusted;
+pub mod certificate;
 pub mod damaged_files;
 pub mod field;
 pub mod formulas;

@@ -2,6 +2,7 @@
 
 mod adjustment;
 mod basis;
+mod certificate;
 mod check;
 mod connection;
 mod controller_values;
@@ -33,6 +34,7 @@ use crate::json::{parse_versioned, read_versioned, write_versioned};
 use crate::phases::PhaseData;
 use crate::poses::Columns;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
+pub use certificate::{CalibratedInstrument, CertificateDetails, DecisionRule, day};
 pub use connection::{
     AdsPlace, Connection, ControllerKind, OpcUaPlace, OpcUaPolicy, OpcUaSecurity, RecordingPlace,
     SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose,

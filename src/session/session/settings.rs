@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;
 use tautline_core::sequential::{AT_MOST, Goal};
 
+use super::CertificateDetails;
+
 /// Settings chosen by the operator.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -19,6 +21,13 @@ pub struct Settings {
     /// Largest acceptable deviation of a pulley from the drawing (m), by which reports judge.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_m: Option<f64>,
+    /// What its certificate states beside the results.
+    #[serde(skip_serializing_if = "is_default")]
+    pub certificate: CertificateDetails,
+}
+
+fn is_default(details: &CertificateDetails) -> bool {
+    *details == CertificateDetails::default()
 }
 
 /// When a measuring run ends whose poses are decided on one by one.

@@ -7,14 +7,15 @@ use std::sync::Arc;
 use super::file_dialog::pick;
 use super::file_tasks::write;
 use crate::model::command::file_choice::FileRequest;
-use crate::model::command::{ReportCommand, ReportDraft};
+use crate::model::command::{ReportCommand, ReportDraft, WorkshopInstrument};
 use crate::model::comparison::{Compared, Source};
 use crate::model::phase::Screen;
 use crate::model::record::OpenRecord;
 use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession};
+use tautline_session::{CertificateDetails, Session};
 use tautline_workflow::clock;
-use tautline_workflow::history::next_calibration_after;
+use tautline_workflow::history::{date, next_calibration_after};
 use tautline_workflow::report::{
     ComparisonInput, HistoryInput, ReportChoice, ReportFormat, ReportInput, completed,
     write_comparison, write_history, write_report,
@@ -35,7 +36,9 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
                 Some(draft) => {
                     let path = with_extension(path, draft.format);
                     draft.form.begin(path.clone());
-                    (path, draft.choice.clone(), draft.pinned.clone())
+                    let draft = draft.clone();
+                    keep_details(model, &draft);
+                    (path, draft.choice, draft.pinned)
                 }
                 None => (path, choice(model), BTreeSet::new()),
             };
@@ -73,12 +76,67 @@ fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
 }
 
 fn ask(model: &mut Model, format: ReportFormat) {
+    let (details, instruments) = details(model);
     model.dialogs.report = place(model, format).map(|path| ReportDraft {
         format,
         form: SaveForm::new(&path),
         choice: choice(model),
         pinned: BTreeSet::new(),
+        details,
+        instruments,
     });
+}
+
+/// What the certificate of the open session states, with what the workshop has for all, and the instruments to choose from.
+fn details(model: &Model) -> (CertificateDetails, Vec<WorkshopInstrument>) {
+    let kept = &model.preferences.report;
+    let session = model.open.as_ref().map(OpenSession::session);
+    let mut details = session.map_or_else(CertificateDetails::default, |session| {
+        session.settings.certificate.clone()
+    });
+    let measured = session.and_then(Session::measured).map(date);
+    for (field, known) in [
+        (&mut details.laboratory, Some(&kept.laboratory)),
+        (&mut details.country, Some(&kept.country)),
+        (&mut details.measured_to, measured.as_ref()),
+    ] {
+        if let Some(known) = known.filter(|_| field.is_empty()) {
+            field.clone_from(known);
+        }
+    }
+    let used = details.instruments.iter().map(|one| (one, true));
+    let others = kept.instruments.iter().map(|one| (one, false));
+    let others = others.filter(|(one, _)| !details.instruments.contains(one));
+    let choice = used
+        .chain(others)
+        .map(|(instrument, is_used)| WorkshopInstrument {
+            instrument: instrument.clone(),
+            is_used,
+            is_edited: false,
+        });
+    let choice = choice.collect();
+    (details, choice)
+}
+
+/// Keeps what the certificate states in the session, and what is of the workshop in the preferences.
+fn keep_details(model: &mut Model, draft: &ReportDraft) {
+    let details = draft.chosen_details();
+    let is_named = |one: &&WorkshopInstrument| !one.instrument.name.trim().is_empty();
+    let workshop = draft.instruments.iter().filter(is_named);
+    let workshop = workshop.map(|one| one.instrument.clone()).collect();
+    model.change_preferences(|preferences| {
+        preferences
+            .report
+            .laboratory
+            .clone_from(&details.laboratory);
+        preferences.report.country.clone_from(&details.country);
+        preferences.report.instruments = workshop;
+    });
+    if let Some(open) = &mut model.open
+        && open.session().settings.certificate != details
+    {
+        open.record(|session| session.settings.certificate = details);
+    }
 }
 
 /// What the last report had, with the tolerance of the open session.
@@ -189,6 +247,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
             diagnosis_outdated,
             picture: picture.as_deref().ok(),
             next_calibration: next_calibration.as_deref(),
+            monte_carlo: None,
             choice: &choice,
             now: clock::now(),
         };

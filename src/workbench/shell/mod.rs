@@ -1,6 +1,7 @@
 //! The window: menus, phase rail, panels, views, dialogs and status bar around the model, and the loop that runs them.
 
 mod alert;
+mod certificate;
 mod dialogs;
 mod escape;
 mod file_chooser;
@@ -11,6 +12,7 @@ mod no_window;
 mod observed;
 mod palette;
 mod rail;
+mod report;
 mod requests;
 mod save;
 mod sized;

@@ -3,6 +3,7 @@
 mod before_after;
 mod document;
 mod group;
+mod uncertainty;
 mod verification;
 
 use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
@@ -15,6 +16,7 @@ pub use before_after::{
 };
 pub use document::{Accuracy, Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
 pub use group::{Group, Point, group, word};
+pub use uncertainty::{UncertainFigure, UncertainPoseFigures, pose_uncertainties};
 pub use verification::VerificationDocument;
 
 /// Whether some but not all rows have an orientation.

@@ -1,12 +1,18 @@
 //! Budget of uncertainty of an identification, as a document and in words.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::find;
-use tautline_core::estimation::{CovarianceBySource, UncertaintyBudget};
+use tautline_core::estimation::{CovarianceBySource, UncertaintyBudget, UncertaintySource};
+use tautline_core::statistics::student_t_quantile;
 
-use super::Identification;
+use super::{Identification, all_readings};
 use crate::wording::first_lower;
+
+/// Coverage probability of expanded uncertainties: that of two standard deviations of a normal distribution.
+pub const COVERAGE_PROBABILITY: f64 = 0.9545;
 
 /// Budget of the uncertainty of the identified values (GUM, JCGM 100:2008): the share of each source.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -16,6 +22,18 @@ pub struct BudgetDocument {
     /// Mean square error of the platform's position at the measured poses once the identified values are at the controller; null if
     /// no pose has all lengths.
     pub position: Option<VarianceBudget>,
+    /// Sources that are evaluated from the scatter of readings (type A of JCGM 100); the others are stated (type B).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub evaluated: Vec<EvaluatedSource>,
+}
+
+/// A source of uncertainty that is evaluated from the scatter of its readings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EvaluatedSource {
+    /// Name of the source.
+    pub source: String,
+    /// Its degrees of freedom: the redundancy of its readings.
+    pub degrees_of_freedom: f64,
 }
 
 /// Budget of a pulley.
@@ -75,7 +93,53 @@ impl Identification {
         Some(BudgetDocument {
             pulleys: pulleys.collect(),
             position: divided.position().map(VarianceBudget::from),
+            evaluated: self.evaluated_sources(),
         })
+    }
+
+    fn evaluated_sources(&self) -> Vec<EvaluatedSource> {
+        let mut sums = BTreeMap::new();
+        for reading in all_readings(&self.analysis) {
+            let source = UncertaintySource::of_reading(reading.kind);
+            *sums.entry(source).or_insert(0.0) += reading.redundancy.unwrap_or(0.0);
+        }
+        // Readings that no others control say nothing of their scatter.
+        let controlled = sums
+            .into_iter()
+            .filter(|(_, redundancy)| *redundancy >= 1.0);
+        let found = controlled.map(|(source, degrees_of_freedom)| EvaluatedSource {
+            source: source.id(),
+            degrees_of_freedom,
+        });
+        found.collect()
+    }
+}
+
+impl BudgetDocument {
+    /// Effective degrees of freedom of a variance (Welch and Satterthwaite, JCGM 100, G.4.1): `1 / sum(share^2 / dof)` over the
+    /// sources of type A; infinite without any.
+    #[must_use]
+    pub fn effective_degrees_of_freedom(&self, of: &VarianceBudget) -> f64 {
+        let terms = self.evaluated.iter().map(|one| {
+            let share = of.share(&one.source);
+            share * share / one.degrees_of_freedom
+        });
+        terms.filter(|term| *term > 0.0).sum::<f64>().recip()
+    }
+
+    /// Coverage factor of a variance for [`COVERAGE_PROBABILITY`], by the t distribution of its effective degrees of freedom.
+    #[must_use]
+    pub fn coverage_factor(&self, of: &VarianceBudget) -> f64 {
+        let degrees_of_freedom = self.effective_degrees_of_freedom(of);
+        let two_sided = 0.5 * (1.0 + COVERAGE_PROBABILITY);
+        student_t_quantile(two_sided, degrees_of_freedom).unwrap_or(f64::NAN)
+    }
+
+    /// Coverage factor of the pulley of a cable; `None` where its place was not estimated.
+    #[must_use]
+    pub fn coverage_factor_of(&self, cable: &str) -> Option<f64> {
+        let pulley = self.pulleys.iter().find(|one| one.cable == cable)?;
+        Some(self.coverage_factor(&pulley.budget))
     }
 }
 
@@ -173,6 +237,48 @@ mod tests {
         assert!((sum(|one| one.pulleys) - 1.0).abs() < 1e-12);
         assert!((sum(|one| one.position.unwrap_or(0.0)) - 1.0).abs() < 1e-12);
         assert!(budget.summary(0.1).len() < summary.len());
+    }
+
+    #[test]
+    fn coverage_factors_are_those_of_table_g_2_of_the_gum() {
+        let of_laser = VarianceBudget {
+            variance_m2: 1.0,
+            shares: vec![SourceShare {
+                source: "laser".to_owned(),
+                share: 1.0,
+            }],
+        };
+        // The second half of the variance is stated: Welch and Satterthwaite give four times the degrees of freedom.
+        let mut half = of_laser.clone();
+        half.shares[0].share = 0.5;
+        for (degrees_of_freedom, k) in [
+            (1.0, 13.97),
+            (5.0, 2.65),
+            (10.0, 2.28),
+            (20.0, 2.13),
+            (50.0, 2.05),
+        ] {
+            let budget = |degrees_of_freedom: f64| BudgetDocument {
+                pulleys: Vec::new(),
+                position: None,
+                evaluated: vec![EvaluatedSource {
+                    source: "laser".to_owned(),
+                    degrees_of_freedom,
+                }],
+            };
+            for found in [
+                budget(degrees_of_freedom).coverage_factor(&of_laser),
+                budget(0.25 * degrees_of_freedom).coverage_factor(&half),
+            ] {
+                assert!((found - k).abs() < 6e-3, "{degrees_of_freedom}: {found}");
+            }
+        }
+        let stated = BudgetDocument {
+            pulleys: Vec::new(),
+            position: None,
+            evaluated: Vec::new(),
+        };
+        assert!((stated.coverage_factor(&of_laser) - 2.0).abs() < 1e-4);
     }
 
     #[test]

@@ -30,7 +30,8 @@ use tautline_session::Session;
 
 pub use adequacy::FitVerdict;
 pub use budget::{
-    BudgetDocument, PulleyBudget, SourceShare, SourceSummary, VarianceBudget, source_title,
+    BudgetDocument, COVERAGE_PROBABILITY, EvaluatedSource, PulleyBudget, SourceShare,
+    SourceSummary, VarianceBudget, source_title,
 };
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
 pub use effects::{effect_sizes, effects_title, same_effect, without_each_effect};
@@ -38,7 +39,7 @@ pub use model::{entry_point_sd, identified};
 pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};
 pub use pulley::{
     CLEAR, CoordinateCorrelation, IdentifiedPulley, NOISE, PulleyCoordinate, PulleyInspection,
-    chance_of_noise, entry_point_covariance,
+    chance_of_noise, entry_point_covariance, entry_points_covariance,
 };
 pub use request::{IdentificationOptions, IdentificationRequest, TolerancesUsed, solved_method};
 pub use residuals::{RESIDUAL, all_readings, group_of, readings_of};

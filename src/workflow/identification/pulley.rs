@@ -1,7 +1,7 @@
 //! Inspection of one pulley: nominal and identified position, its uncertainty, and the correlations behind
 //! the uncertainty.
 
-use nalgebra::{DVector, Matrix3};
+use nalgebra::{DMatrix, DVector, Matrix3};
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::Robot;
@@ -32,6 +32,18 @@ pub fn entry_point_covariance(solution: &Solution, cable: usize) -> Option<Matri
             _ => 0.0,
         })
     })
+}
+
+/// Joint covariance of the entry points of these cables (m^2), x, y and z of each in turn, with zeros for coordinates that were not
+/// estimated; `None` if the data do not determine all values.
+#[must_use]
+pub fn entry_points_covariance(solution: &Solution, cables: usize) -> Option<DMatrix<f64>> {
+    let whole = solution.covariance.as_ref()?;
+    let columns = (0..cables).flat_map(|cable| entry_point_columns(solution, cable));
+    let columns: Vec<Option<usize>> = columns.collect();
+    Some(DMatrix::from_fn(columns.len(), columns.len(), |i, k| {
+        columns[i].zip(columns[k]).map_or(0.0, |at| whole[at])
+    }))
 }
 
 /// Columns of the covariance that belong to x, y, z of a cable's entry point.

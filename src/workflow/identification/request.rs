@@ -77,7 +77,7 @@ impl Default for IdentificationOptions {
 
 impl IdentificationOptions {
     /// The problem without free effects, which starts at the values of the robot.
-    pub(crate) fn problem(
+    pub fn problem(
         self,
         dataset: &Dataset,
         method: Method,

@@ -11,51 +11,57 @@ pub enum Part {
     Result,
     /// The robot with its picture.
     Robot,
-    /// The instruments with their uncertainties.
+    /// The identified values.
+    Geometry,
+    /// Budget of uncertainty and expanded uncertainty.
+    Budget,
+    /// Conformity with the tolerance of the pulleys.
+    Conformity,
+    /// Accuracy before and after.
+    Accuracy,
+    /// Values written to the controller.
+    Adjustments,
+    /// The instruments with their uncertainties and calibrations, and the conditions.
     Instruments,
     /// The measured data.
     Data,
     /// The method of identification.
     Method,
-    /// The identified values.
-    Geometry,
-    /// Budget of uncertainty.
-    Budget,
     /// Goodness of fit.
     Fit,
     /// The diagnosis of the model.
     Causes,
-    /// Accuracy before and after.
-    Accuracy,
-    /// Values written to the controller.
-    Adjustments,
     /// Limits and assumptions.
     Limits,
     /// Lines to sign on.
     Signatures,
     /// Provenance of the report.
     About,
+    /// Deviations of parts that lie within their tolerances.
+    Deviations,
     /// The log of the session.
     Log,
 }
 
 impl Part {
     /// All parts, in order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Result,
         Self::Robot,
+        Self::Geometry,
+        Self::Budget,
+        Self::Conformity,
+        Self::Accuracy,
+        Self::Adjustments,
         Self::Instruments,
         Self::Data,
         Self::Method,
-        Self::Geometry,
-        Self::Budget,
         Self::Fit,
         Self::Causes,
-        Self::Accuracy,
-        Self::Adjustments,
         Self::Limits,
         Self::Signatures,
         Self::About,
+        Self::Deviations,
         Self::Log,
     ];
 
@@ -65,18 +71,20 @@ impl Part {
         match self {
             Self::Result => "result",
             Self::Robot => "robot",
+            Self::Geometry => "geometry",
+            Self::Budget => "budget",
+            Self::Conformity => "conformity",
+            Self::Accuracy => "accuracy",
+            Self::Adjustments => "adjustments",
             Self::Instruments => "instruments",
             Self::Data => "data",
             Self::Method => "method",
-            Self::Geometry => "geometry",
-            Self::Budget => "budget",
             Self::Fit => "fit",
             Self::Causes => "causes",
-            Self::Accuracy => "accuracy",
-            Self::Adjustments => "adjustments",
             Self::Limits => "limits",
             Self::Signatures => "signatures",
             Self::About => "about",
+            Self::Deviations => "deviations",
             Self::Log => "log",
         }
     }
@@ -93,18 +101,20 @@ impl Part {
         match self {
             Self::Result => "Result",
             Self::Robot => "Robot",
+            Self::Geometry => "Identified values",
+            Self::Budget => "Uncertainty",
+            Self::Conformity => "Conformity",
+            Self::Accuracy => "Accuracy",
+            Self::Adjustments => "Adjustments",
             Self::Instruments => "Instruments",
             Self::Data => "Measured data",
             Self::Method => "Method",
-            Self::Geometry => "Identified values",
-            Self::Budget => "Budget of uncertainty",
             Self::Fit => "Goodness of fit",
             Self::Causes => "Model diagnosis",
-            Self::Accuracy => "Accuracy",
-            Self::Adjustments => "Adjustments",
             Self::Limits => "Limits of this report",
             Self::Signatures => "Signatures",
             Self::About => "About this report",
+            Self::Deviations => "Deviations",
             Self::Log => "Log of the session",
         }
     }
@@ -137,7 +147,13 @@ impl ReportChoice {
     /// Whether a part shows the identification.
     #[must_use]
     pub fn shows_fit(&self) -> bool {
-        let parts = [Part::Method, Part::Geometry, Part::Budget];
+        let parts = [
+            Part::Method,
+            Part::Geometry,
+            Part::Budget,
+            Part::Conformity,
+            Part::Deviations,
+        ];
         self.shows_diagnosis() || parts.into_iter().any(|part| self.has(part))
     }
 

@@ -4,10 +4,11 @@ use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, Vec2, vec2};
 use nalgebra::{Matrix3, Vector3};
 use tautline_core::conformance::conformance_probability;
+use tautline_session::DecisionRule;
 
 use super::colours::{ACCENT, FAINT, MUTED, PLOT, WARNING};
 use super::plots::{SCALE, SIZE};
-use super::tolerance::{COVERAGE, expanded_uncertainty_m};
+use super::tolerance::{COVERAGE, Conformity, expanded_uncertainty_m};
 use crate::plot::Drawing;
 use crate::plot::canvas::{Canvas, Stroke};
 use crate::plot::draw::drawing;
@@ -42,8 +43,14 @@ pub struct Deviation {
 
 impl Deviation {
     /// Expanded uncertainty of the length of the displacement, for any direction (m).
-    pub fn uncertainty_m(&self) -> Option<f64> {
-        self.covariance.as_ref().map(expanded_uncertainty_m)
+    pub fn uncertainty_m(&self, coverage_factor: f64) -> Option<f64> {
+        let covariance = self.covariance.as_ref()?;
+        Some(expanded_uncertainty_m(covariance, coverage_factor))
+    }
+
+    /// Conformity of its length with a tolerance (m).
+    pub fn conformity(&self, rule: DecisionRule, tolerance_m: f64) -> Conformity {
+        Conformity::of(rule, &self.by, self.covariance.as_ref(), tolerance_m)
     }
 
     /// Conformance probability with a tolerance (m) on the length of the displacement.

@@ -7,6 +7,8 @@ use crate::plot::Drawing;
 pub struct Document {
     /// Printed at the head of every page; empty on most.
     pub marking: &'static str,
+    /// What names the document at the foot of every page, in place of the title; empty on most.
+    pub reference: String,
     /// A line above the title; may be empty.
     pub header: String,
     /// Title.

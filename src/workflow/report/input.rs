@@ -26,6 +26,8 @@ pub struct ReportInput<'a> {
     pub picture: Option<&'a [u8]>,
     /// When the next calibration is due, a sentence; `None` without a record of the robot, from which it follows.
     pub next_calibration: Option<&'a str>,
+    /// Propagation of distributions, if it was asked for.
+    pub monte_carlo: Option<&'a MonteCarlo>,
     /// The selected parts, and the heading.
     pub choice: &'a ReportChoice,
     /// Time of the report.
@@ -48,6 +50,26 @@ impl<'a> ReportInput<'a> {
         let added = model.iter().filter(|one| !is_described(one));
         added.cloned().collect()
     }
+}
+
+/// Propagation of distributions (JCGM 101:2008): the values identified anew from many draws of all inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MonteCarlo {
+    /// Number of draws.
+    pub trials: usize,
+    /// Number of draws whose identification converged; the intervals are of these.
+    pub converged: usize,
+    /// Coverage interval of x, y and z of each entry point.
+    pub entry_points: Vec<[CoverageInterval; 3]>,
+}
+
+/// Probabilistically symmetric coverage interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoverageInterval {
+    /// Lower limit (m).
+    pub from_m: f64,
+    /// Upper limit (m).
+    pub to_m: f64,
 }
 
 /// Input of the report of a comparison.

@@ -8,6 +8,7 @@ mod bars;
 mod choice;
 mod colours;
 mod content;
+mod dcc;
 mod deviations;
 pub mod document;
 mod html;
@@ -27,7 +28,9 @@ use tautline_session::{Timestamp, WriteError, write_bytes};
 
 pub use choice::{Part, ReportChoice};
 pub use colours::PLOT;
-pub use input::{ComparisonInput, HistoryInput, ReportInput};
+pub use content::certificate::{missing_details, overdue};
+pub use dcc::DccError;
+pub use input::{ComparisonInput, CoverageInterval, HistoryInput, MonteCarlo, ReportInput};
 #[cfg(feature = "pdf")]
 pub use pdf::PdfError;
 pub(crate) use plots::signature_plot;
@@ -40,6 +43,8 @@ pub enum ReportFormat {
     Html,
     /// PDF, A4.
     Pdf,
+    /// Digital Calibration Certificate (XML) of PTB, of a session only.
+    Dcc,
 }
 
 impl ReportFormat {
@@ -50,6 +55,7 @@ impl ReportFormat {
         match extension.as_str() {
             "html" | "htm" => Some(Self::Html),
             "pdf" => Some(Self::Pdf),
+            "xml" => Some(Self::Dcc),
             _ => None,
         }
     }
@@ -64,7 +70,7 @@ impl ReportFormat {
     /// Whether this build writes the format.
     #[must_use]
     pub fn is_available(self) -> bool {
-        self == Self::Html || cfg!(feature = "pdf")
+        self != Self::Pdf || cfg!(feature = "pdf")
     }
 
     /// Title in reports and on screen.
@@ -73,6 +79,7 @@ impl ReportFormat {
         match self {
             Self::Html => "HTML",
             Self::Pdf => "PDF",
+            Self::Dcc => "DCC",
         }
     }
 
@@ -82,6 +89,7 @@ impl ReportFormat {
         match self {
             Self::Html => "html",
             Self::Pdf => "pdf",
+            Self::Dcc => "xml",
         }
     }
 }
@@ -90,8 +98,14 @@ impl ReportFormat {
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The file extension is not that of a report.
-    #[error("{}: expected a name that ends with .html or .pdf", .0.display())]
+    #[error("{}: expected a name that ends with .html, .pdf or .xml", .0.display())]
     Extension(PathBuf),
+    /// A Digital Calibration Certificate of something else than a session.
+    #[error("a Digital Calibration Certificate is made of a session only; expected .html or .pdf")]
+    NoSession,
+    /// A Digital Calibration Certificate without results.
+    #[error(transparent)]
+    Dcc(#[from] DccError),
     /// A PDF is asked for in a build without it.
     #[error("this build cannot write PDF; use HTML, or the released program")]
     PdfLeftOut,
@@ -112,7 +126,12 @@ pub fn render_report(
     input: &ReportInput<'_>,
     format: ReportFormat,
 ) -> Result<Vec<u8>, ReportError> {
-    render(&content::document(input), format, input.now)
+    match format {
+        ReportFormat::Dcc => Ok(dcc::render(input)?.into_bytes()),
+        ReportFormat::Html | ReportFormat::Pdf => {
+            render(&content::document(input), format, input.now)
+        }
+    }
 }
 
 /// Renders a document as the bytes of a file.
@@ -133,6 +152,7 @@ pub fn render(
             let _only_a_pdf_is_dated = now;
             return Err(ReportError::PdfLeftOut);
         }
+        ReportFormat::Dcc => return Err(ReportError::NoSession),
     })
 }
 
@@ -179,7 +199,8 @@ pub fn write_history(path: &Path, input: &HistoryInput<'_>) -> Result<(), Report
 /// # Errors
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.
 pub fn write_report(path: &Path, input: &ReportInput<'_>) -> Result<(), ReportError> {
-    write_document(path, &content::document(input), input.now)
+    let format = ReportFormat::of(path).ok_or_else(|| ReportError::Extension(path.into()))?;
+    Ok(write_bytes(path, &render_report(input, format)?)?)
 }
 
 /// Writes a document in the format of the file extension, atomically.

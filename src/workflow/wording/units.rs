@@ -76,6 +76,11 @@ pub fn decimals(sd: f64) -> usize {
     usize::try_from(digits - leading as i32).unwrap_or(0)
 }
 
+/// Number of decimals that give an uncertainty (positive) two significant digits (JCGM 100, 7.2.6).
+pub fn decimals_of_uncertainty(uncertainty: f64) -> usize {
+    usize::try_from(1 - uncertainty.log10().floor() as i32).unwrap_or(0)
+}
+
 /// A quantity with its standard deviation, to which digits are rounded: `0.31 ± 0.04 %`.
 pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
     let (factor, name) = display_unit(unit);

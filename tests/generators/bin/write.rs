@@ -15,9 +15,9 @@ use tautline_validation::support::window;
 use tautline_validation::tables::hidden::Records;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
-    adjusted, damaged_files, field, formulas, hangprinter, health, hypothesis_files, isolability,
-    kills, live_readings, lives, many_poses, motion, nist, random_robots, soak, study_speed,
-    table1, tolerances, truth, until, which_sensor,
+    adjusted, certificate, damaged_files, field, formulas, hangprinter, health, hypothesis_files,
+    isolability, kills, live_readings, lives, many_poses, motion, nist, random_robots, soak,
+    study_speed, table1, tolerances, truth, until, which_sensor,
 };
 
 /// Presets of the truth study.
@@ -57,7 +57,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], field {exact | rough} [EACH [FIRST_SEED [WHAT | all [FOLDER]]]], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], certificate [ROBOTS [FIRST_SEED]], over-poses [POSES], field {exact | rough} [EACH [FIRST_SEED [WHAT | all [FOLDER]]]], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, gallery, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -95,6 +95,7 @@ fn main() -> Result<()> {
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
         Some("clean-robots") => println!("{}", clean_robots_table(&arguments[1..])?),
+        Some("certificate") => println!("{}", certificate_table(&arguments[1..])?),
         Some("over-poses") => println!("{}", over_poses_table(argument)?),
         Some("field") => println!("{}", field_table(&arguments[1..])?),
         Some("formulas") => println!("{}", formulas_table(argument)?),
@@ -234,6 +235,17 @@ fn clean_robots_table(numbers: &[String]) -> Result<String> {
     Ok(random_robots::clean_markdown(&rows))
 }
 
+/// Coverage of the expanded uncertainties of so many robots, and what a Monte Carlo says of them.
+fn certificate_table(numbers: &[String]) -> Result<String> {
+    let number = |k: usize| numbers.get(k).map(|text| text.parse::<u64>()).transpose();
+    let (robots, first) = (number(0)?.unwrap_or(2000), number(1)?.unwrap_or(2_026_000));
+    let coverage = certificate::coverage(robots, first)?;
+    Ok(format!(
+        "{coverage}\n{}",
+        certificate::propagation(2000, first)?
+    ))
+}
+
 /// Diagnoses a fault of five robots at one number of poses, or at all; wrong names go to standard error.
 fn over_poses_table(poses: Option<&str>) -> Result<String> {
     let one = poses.map(str::parse).transpose()?;
@@ -364,6 +376,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     save("validation/until", &until_table(&[])?)?;
     save("validation/hidden-effects", &hidden::tables()?)?;
     save("validation/clean-robots", &clean_robots_table(&[])?)?;
+    save("validation/certificate", &certificate_table(&[])?)?;
     match hangprinter_table(folder) {
         Ok(table) => save("validation/hangprinter", &table)?,
         Err(error) => eprintln!("the table of the Hangprinter stays as it was: {error:#}"),

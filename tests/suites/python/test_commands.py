@@ -69,7 +69,7 @@ def test_values_that_are_wrong_are_value_errors(run: tautline.Run) -> None:
         (lambda: tautline.export(data, "data.xls"), "found data.xls, expected a file that ends in .csv, .parquet or .mat"),
         (lambda: tautline.export(data, "data.csv", ["poses", "values"]), "tables: found 2 for data.csv"),
         (lambda: tautline.export(data, "data.csv", ["pulleys"]), 'tables: found "pulleys"'),  # type: ignore[list-item]
-        (lambda: tautline.report(data, "report.txt"), "expected a name that ends with .html or .pdf"),
+        (lambda: tautline.report(data, "report.txt"), "expected a name that ends with .html, .pdf or .xml"),
         (lambda: tautline.report(data, "a.html", sections=["all"]), 'sections: found "all"'),
         (lambda: tautline.report(data, "a.html", tolerance_m=-1.0), "tolerance_m: found -1"),
         (lambda: tautline.import_readings("nowhere.csv", MINI), "nowhere.csv: not found"),
@@ -205,7 +205,7 @@ def test_exports_are_those_of_the_command(run: tautline.Run, tmp_path: Path, pro
 def test_a_report_has_the_parts_that_were_asked_for(run: tautline.Run, tmp_path: Path) -> None:
     tautline.report(run.dataset, tmp_path / "all.html", title="Cell <3>", operator="B. Smith", tolerance_m=0.02)
     text = (tmp_path / "all.html").read_text(encoding="utf-8")
-    assert "Cell &lt;3&gt;" in text and "B. Smith" in text and "Budget of uncertainty" in text
+    assert "Cell &lt;3&gt;" in text and "B. Smith" in text and ">Uncertainty<" in text
     tautline.report(run.dataset, tmp_path / "short.html", sections=["result", "geometry"])
     assert "Budget of uncertainty" not in (tmp_path / "short.html").read_text(encoding="utf-8")
     tautline.report(run.dataset, tmp_path / "short.pdf", sections="result")

@@ -6,9 +6,10 @@ use egui_kittest::kittest::Queryable;
 
 use tautline_core::effect::EffectSetting;
 use tautline_workbench::model::command::{
-    Answer, FileCommand, IdentificationCommand, ReportCommand,
+    Answer, FileCommand, IdentificationCommand, ReportCommand, ViewCommand,
 };
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 use tautline_workflow::report::ReportFormat;
 
@@ -88,4 +89,58 @@ fn the_dialog_brings_up_to_date_what_the_report_would_say_of_an_earlier_model() 
     press(&mut harness, "Diagnose now");
     assert!(harness.query_by_label(earlier).is_none(), "up to date");
     harness.get_by_label("Save report");
+}
+
+/// What the certificate states is typed once: the session keeps it, the workshop its instruments, and the digital certificate has it.
+#[test]
+fn a_certificate_is_filled_in_by_hand_and_its_instruments_are_kept_for_the_next_session() {
+    let measured = Measured::mini(25, &[]);
+    let mut harness = measured.opened();
+    press(&mut harness, "Identify");
+    press(&mut harness, "File");
+    press(&mut harness, "Save digital certificate (DCC)…");
+    harness.get_by_label_contains("Not stated yet: Number of the certificate");
+    for (field, text) in [
+        ("Number", "2026-017"),
+        ("Laboratory", "Robot Works"),
+        ("Country", "GB"),
+        ("Measured from", "2026-11-26"),
+        ("Company", "Owner Ltd"),
+        ("Operator", "A. Smith"),
+    ] {
+        type_into(&mut harness, Role::TextInput, field, text);
+    }
+    let model = &mut harness.state_mut().state.model;
+    let draft = model.dialogs.report.as_mut().expect("a dialog");
+    draft.details.temperature_c = Some(21.0);
+    press(&mut harness, "Add an instrument");
+    type_into(&mut harness, Role::TextInput, "Name", "Laser DX-1");
+    type_into(&mut harness, Role::TextInput, "Due on", "2020-01-31");
+    let path = measured.beside("mini.xml");
+    let typed = path.display().to_string();
+    type_into(&mut harness, Role::TextInput, "Path of the file", &typed);
+    press(&mut harness, "Save report");
+    let written = std::fs::read_to_string(&path).expect("the certificate");
+    for part in [
+        "2026-017",
+        "Laser DX-1: its calibration was due on 2020-01-31",
+    ] {
+        assert!(written.contains(part), "no {part}");
+    }
+    let kept = document(&harness).session().settings.certificate.clone();
+    assert_eq!(
+        (kept.number.as_str(), kept.instruments.len()),
+        ("2026-017", 1)
+    );
+    // Another session chooses among the instruments; until it has, the overdue one is said before measuring.
+    give(&mut harness, FileCommand::Open(measured.beside("mini")));
+    give(&mut harness, FileCommand::Answer(Answer::Discard));
+    let measuring = Screen::Phase(Phase::Measuring);
+    give(&mut harness, ViewCommand::Go(measuring));
+    harness.get_by_label_contains("Laser DX-1: its calibration was due on 2020-01-31");
+    give(&mut harness, ReportCommand::AskSave(ReportFormat::Html));
+    let draft = harness.state().state.model.dialogs.report.as_ref();
+    let draft = draft.expect("a dialog");
+    assert_eq!(draft.details.laboratory, "Robot Works");
+    assert!(draft.details.number.is_empty() && !draft.instruments[0].is_used);
 }

@@ -27,7 +27,7 @@ pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand, PlotFile, PlotPicture};
 pub use record::{CHECKING_HEALTH, READING_RECORD, RecordCommand, RecordOutcome};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
-pub use report::{ReportCommand, ReportDraft};
+pub use report::{ReportCommand, ReportDraft, WorkshopInstrument};
 pub(crate) use robot::STOP;
 pub use robot::{
     CorrectedFile, EXPECTING, Export, FileCorrection, PLANNING, PlanOutcome, PlanOutlook,

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use tautline_session::{CalibratedInstrument, CertificateDetails};
+
 use crate::model::save_form::SaveForm;
 use tautline_workflow::report::{ReportChoice, ReportFormat};
 
@@ -29,4 +31,29 @@ pub struct ReportDraft {
     pub choice: ReportChoice,
     /// Pulleys whose coordinates the picture of the robot shows.
     pub pinned: BTreeSet<usize>,
+    /// What the certificate states beside the results; its instruments are those that are used.
+    pub details: CertificateDetails,
+    /// Instruments of the workshop and of the session.
+    pub instruments: Vec<WorkshopInstrument>,
+}
+
+impl ReportDraft {
+    /// The details with the instruments that are used.
+    pub fn chosen_details(&self) -> CertificateDetails {
+        let used = self.instruments.iter().filter(|one| one.is_used);
+        CertificateDetails {
+            instruments: used.map(|one| one.instrument.clone()).collect(),
+            ..self.details.clone()
+        }
+    }
+}
+
+/// An instrument that a session can choose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkshopInstrument {
+    pub instrument: CalibratedInstrument,
+    /// Whether it was used for this session.
+    pub is_used: bool,
+    /// Whether its fields are shown.
+    pub is_edited: bool,
 }

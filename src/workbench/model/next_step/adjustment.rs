@@ -96,8 +96,8 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let Some(next) = next.map(|check| check.item) else {
         let action = Action::new(
             match ReportFormat::FOR_PAPER {
-                ReportFormat::Html => "Save report as HTML…",
                 ReportFormat::Pdf => "Save report as PDF…",
+                _ => "Save report as HTML…",
             },
             ReportCommand::AskSave(ReportFormat::FOR_PAPER),
         );

@@ -20,6 +20,8 @@ use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand
 use crate::model::next_step::no_home;
 use crate::model::{Memo, Model, OpenSession};
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use tautline_workflow::clock;
+use tautline_workflow::report::overdue;
 
 /// State of the panel between frames.
 #[derive(Debug)]
@@ -101,12 +103,20 @@ fn ask(model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     }
 }
 
-/// Warns of instruments that the robot lacks.
+/// Warns of instruments that the robot lacks, and of those whose calibration is overdue.
 fn instruments(ui: &mut Ui, model: &Model) {
     let Some(open) = &model.open else {
         return;
     };
     let robot = &open.session().robot;
+    let used = &open.session().settings.certificate.instruments;
+    let instruments = match used.is_empty() {
+        true => &model.preferences.report.instruments,
+        false => used,
+    };
+    for text in overdue(instruments, clock::now()) {
+        verdict(ui, Verdict::Doubtful, &text);
+    }
     if robot.laser.is_none() {
         verdict(
             ui,

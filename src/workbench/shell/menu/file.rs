@@ -48,6 +48,7 @@ pub fn lines(state: &State) -> Vec<Item> {
     let report =
         |title, enabled, format| Menu::File.line(title, enabled, ReportCommand::AskSave(format));
     let pdf = ReportFormat::Pdf.is_available();
+    let is_of_session = matches!(state.model.screen, Screen::Phase(_));
     let pdf_title = match pdf {
         true => "Save report as PDF…",
         false => "Save report as PDF (not in this build)",
@@ -79,6 +80,11 @@ pub fn lines(state: &State) -> Vec<Item> {
         file("Save as…", open, FileCommand::AskSaveAs).keys(CONTROL_SHIFT, Key::S),
         report("Save report as HTML…", has_report, ReportFormat::Html),
         report(pdf_title, has_report && pdf, ReportFormat::Pdf),
+        report(
+            "Save digital certificate (DCC)…",
+            has_report && is_of_session,
+            ReportFormat::Dcc,
+        ),
         file(
             "New series of this session",
             measured,

@@ -149,7 +149,7 @@ fn conformities(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Pa
     let tolerance_m = scene.tolerance_m.unwrap_or(f64::INFINITY);
     let occurs = |one: Conformity| {
         let mut moved = scene.cables.iter().filter_map(|cable| cable.moved.as_ref());
-        moved.any(|moved| moved.conformity(tolerance_m) == one)
+        moved.any(|moved| moved.conformity(scene.decision_rule, tolerance_m) == one)
     };
     let all = [
         Conformity::Outside,

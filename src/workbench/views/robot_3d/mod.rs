@@ -142,6 +142,7 @@ impl Robot3d {
         let measured = poses.map(|(_, scene)| Arc::clone(&scene.measured));
         let mut scene = subject.scene_with(measured);
         scene.tolerance_m = key.tolerance_m;
+        scene.decision_rule = session.settings.certificate.decision_rule;
         let scene = Arc::new(scene);
         if known.is_none_or(|(known, _)| known.session.0 != key.session.0) {
             self.navigation.start_anew();

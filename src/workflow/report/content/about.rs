@@ -32,7 +32,7 @@ pub fn log(session: &Session) -> Option<Section> {
     if session.log().is_empty() {
         return None;
     }
-    let mut section = Section::new("Appendix: log of the session");
+    let mut section = Section::new("Log of the session");
     let mut table = Table::new(
         "Steps of the operator, the oldest first",
         3,

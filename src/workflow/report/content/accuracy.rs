@@ -1,22 +1,47 @@
 //! Accuracy measured by an external instrument: figures of ISO 9283.
 
-use tautline_session::{CheckRow, Session, Stage};
+use tautline_session::{CheckKind, CheckRow, Session, Stage};
 
 use super::{NONE, when};
-use crate::accuracy::{Accuracy, figures};
+use crate::accuracy::{
+    Accuracy, Group, UncertainFigure, UncertainPoseFigures, accuracy, group, pose_uncertainties,
+};
 use crate::adjusting::verified_before_last_write;
 use crate::report::document::{Section, Table};
-use crate::wording::units::mm;
-use crate::wording::units::quantity;
+use crate::wording::units::{decimals_of_uncertainty, fixed, mm, quantity, signed};
 
 /// A run with its figures, or the reason why there are none.
 struct Run {
     name: String,
     stage: Option<Stage>,
-    figures: Result<Accuracy, String>,
+    figures: Result<Figures, String>,
+}
+
+/// Figures with the uncertainties of those of the poses.
+struct Figures {
+    whole: Accuracy,
+    poses: Option<UncertainPoseFigures>,
+}
+
+fn figures(rows: &[CheckRow], instrument_sd_m: f64) -> Result<Figures, String> {
+    let groups = group(rows)?;
+    let is_pose = |group: &&Group| group.kind == CheckKind::Pose;
+    let poses: Vec<&Group> = groups.iter().filter(is_pose).collect();
+    Ok(Figures {
+        whole: accuracy(&groups)?,
+        poses: pose_uncertainties(&poses, instrument_sd_m),
+    })
+}
+
+/// Standard uncertainty of a position by the external instrument (m), as the robot's description states it.
+fn instrument_sd_m(session: &Session) -> Option<f64> {
+    let tracker = session.robot.tracker.as_ref()?;
+    Some((tracker.position_sd_m.each().into_iter()).fold(0.0, f64::max))
 }
 
 fn runs(session: &Session) -> Vec<Run> {
+    let instrument_sd_m = instrument_sd_m(session).unwrap_or(0.0);
+    let figures = |rows: &[CheckRow]| figures(rows, instrument_sd_m);
     let verifications = session.verifications().iter().map(|run| Run {
         name: format!("{} ({})", run.title, when(run.time)),
         stage: Some(run.stage),
@@ -36,7 +61,7 @@ pub fn summary(session: &Session) -> Option<String> {
     let runs = runs(session);
     let last = |stage: Stage| {
         let of_stage = runs.iter().rev().filter(|run| run.stage == Some(stage));
-        let mut poses = of_stage.filter_map(|run| run.figures.as_ref().ok()?.poses.as_ref());
+        let mut poses = of_stage.filter_map(|run| run.figures.as_ref().ok()?.whole.poses.as_ref());
         poses.next().map(|poses| poses.mean_accuracy_m)
     };
     let (before, after) = (last(Stage::Before)?, last(Stage::After)?);
@@ -67,7 +92,7 @@ pub fn section(session: &Session) -> Option<Section> {
         section.lead(text);
     }
     let mut poses = Table::new(
-        "Poses: accuracy AP and repeatability RP of ISO 9283:1998 (mm)",
+        "Poses: accuracy AP, repeatability RP and distance accuracy AD of ISO 9283:1998 with expanded uncertainties (mm)",
         2,
         &[
             "Run",
@@ -77,6 +102,7 @@ pub fn section(session: &Session) -> Option<Section> {
             "AP largest",
             "RP mean",
             "RP largest",
+            "AD largest",
         ],
     );
     let mut paths = Table::new(
@@ -92,10 +118,34 @@ pub fn section(session: &Session) -> Option<Section> {
     }
     section.table(poses);
     section.table(paths);
+    let instrument = match instrument_sd_m(session) {
+        Some(sd_m) => format!(
+            "the instrument ({}, common to all cycles)",
+            quantity(sd_m, "m")
+        ),
+        None => "the instrument is not stated and taken as exact".to_owned(),
+    };
+    section.note(format!(
+        "Uncertainties for a coverage probability of 95 %, by the t distribution: scatter of the cycles; {instrument}. AD: successive poses. Drift of pose was not measured."
+    ));
     Some(section)
 }
 
-fn add(run: &Run, figures: &Accuracy, poses: &mut Table, paths: &mut Table) {
+/// A figure with its uncertainty, to two digits of that.
+fn figure(of: UncertainFigure, show: fn(f64, usize) -> String) -> String {
+    let expanded = 1e3 * of.expanded_m;
+    if !(expanded.is_finite() && expanded > 0.0) {
+        return mm(of.value_m, 2);
+    }
+    let digits = decimals_of_uncertainty(expanded);
+    format!(
+        "{} ± {}",
+        show(1e3 * of.value_m, digits),
+        fixed(expanded, digits)
+    )
+}
+
+fn add(run: &Run, figures: &Figures, poses: &mut Table, paths: &mut Table) {
     let stage = match run.stage {
         Some(Stage::Before) => "before",
         Some(Stage::After) => "after",
@@ -108,18 +158,20 @@ fn add(run: &Run, figures: &Accuracy, poses: &mut Table, paths: &mut Table) {
             NONE.to_owned()
         }
     };
-    if let Some(found) = &figures.poses {
+    if let (Some(found), Some(poses_of)) = (&figures.poses, &figures.whole.poses) {
+        let distance = found.largest_distance_accuracy;
         poses.push([
             run.name.clone(),
             stage.to_owned(),
-            found.targets.len().to_string(),
-            length(found.mean_accuracy_m),
-            length(found.largest_accuracy_m),
-            length(found.mean_repeatability_m),
-            length(found.largest_repeatability_m),
+            poses_of.targets.len().to_string(),
+            figure(found.mean_accuracy, fixed),
+            figure(found.largest_accuracy, fixed),
+            figure(found.mean_repeatability, fixed),
+            figure(found.largest_repeatability, fixed),
+            distance.map_or_else(|| NONE.to_owned(), |one| figure(one, signed)),
         ]);
     }
-    for path in &figures.paths {
+    for path in &figures.whole.paths {
         paths.push([
             run.name.clone(),
             stage.to_owned(),

@@ -2,23 +2,28 @@
 
 use super::number;
 use crate::identification::{
-    BudgetDocument, FitVerdict, Identification, SourceSummary, VarianceBudget, source_title,
+    BudgetDocument, COVERAGE_PROBABILITY, FitVerdict, Identification, SourceSummary,
+    VarianceBudget, entry_point_covariance, source_title,
 };
 use crate::plot::Drawing;
 use crate::report::bars;
 use crate::report::document::{Block, Section, Table};
-use crate::wording::sentence;
+use crate::report::input::MonteCarlo;
+use crate::wording::units::{decimals_of_uncertainty, fixed};
+use crate::wording::{list, sentence};
 
 /// Smallest share of a source that is shown by itself.
 const SHOWN: f64 = 0.01;
+/// Degrees of freedom from which on their number changes nothing.
+const MANY: f64 = 1000.0;
 /// Largest number of sources with a column of their own.
 const COLUMNS: usize = 5;
 
 /// `None` where the identification has no budget.
-pub fn section(fit: &Identification) -> Option<Section> {
+pub fn section(fit: &Identification, monte_carlo: Option<&MonteCarlo>) -> Option<Section> {
     let budget = fit.budget()?;
     let summary = budget.summary(SHOWN);
-    let mut section = Section::new("Budget of uncertainty");
+    let mut section = Section::new("Uncertainty");
     if !FitVerdict::of(fit.solution.p_value()).holds() {
         section
             .lead("The model does not explain the data: the uncertainties are larger than stated.");
@@ -26,6 +31,15 @@ pub fn section(fit: &Identification) -> Option<Section> {
     section.paragraph("Share of each source in the variance of the identified values, by the law of propagation of uncertainty (GUM, JCGM 100). The shares of a variance sum to 100 %.");
     section.blocks.push(Block::Plots(vec![bars_of(&summary)]));
     section.table(table(&budget, &summary));
+    section.table(expanded(&budget));
+    section.note(format!(
+        "Expanded uncertainty U = k u with a coverage probability of {:.1} %; k is from the t distribution of the effective degrees of freedom (Welch and Satterthwaite, JCGM 100, G.4). Type A: evaluated from the scatter of the readings, with their redundancy as degrees of freedom: {}. All other sources are of type B: stated.",
+        100.0 * COVERAGE_PROBABILITY,
+        evaluated(&budget)
+    ));
+    if let Some(monte_carlo) = monte_carlo {
+        propagation(fit, &budget, monte_carlo, &mut section);
+    }
     section.note("Standard uncertainty: root of the summed variances of x, y and z. Position of the platform: root mean square over the measured poses, once the identified values are at the controller; tensions are taken as known. Sources below 1 % everywhere are among the others.");
     Some(section)
 }
@@ -77,4 +91,106 @@ fn table(budget: &BudgetDocument, summary: &[SourceSummary]) -> Table {
         push("Position of the platform", position);
     }
     table
+}
+
+/// The sources of type A with their degrees of freedom.
+fn evaluated(budget: &BudgetDocument) -> String {
+    let sources = budget.evaluated.iter().map(|one| {
+        let title = source_title(&one.source);
+        format!("{title} ({:.0})", one.degrees_of_freedom)
+    });
+    match sources.collect::<Vec<_>>().as_slice() {
+        [] => "none".to_owned(),
+        all => list(all),
+    }
+}
+
+/// Expanded uncertainty of each pulley and of the position.
+fn expanded(budget: &BudgetDocument) -> Table {
+    let mut table = Table::new(
+        "Expanded uncertainty",
+        1,
+        &[
+            "Value",
+            "standard uncertainty mm",
+            "effective degrees of freedom",
+            "k",
+            "expanded uncertainty mm",
+        ],
+    );
+    let mut push = |name: &str, of: &VarianceBudget| {
+        let factor = budget.coverage_factor(of);
+        let freedom = budget.effective_degrees_of_freedom(of);
+        let expanded = 1e3 * factor * of.sd_m();
+        let digits = decimals_of_uncertainty(expanded);
+        table.push([
+            name.to_owned(),
+            fixed(1e3 * of.sd_m(), digits),
+            match freedom < MANY {
+                true => number(freedom.floor(), 0),
+                false => format!("above {MANY:.0}"),
+            },
+            fixed(factor, 2),
+            fixed(expanded, digits),
+        ]);
+    };
+    for pulley in &budget.pulleys {
+        push(&pulley.cable, &pulley.budget);
+    }
+    if let Some(position) = &budget.position {
+        push("Position of the platform", position);
+    }
+    table
+}
+
+/// Coverage intervals by propagation of distributions beside those of the linear budget.
+fn propagation(
+    fit: &Identification,
+    budget: &BudgetDocument,
+    monte_carlo: &MonteCarlo,
+    section: &mut Section,
+) {
+    let mut table = Table::new(
+        "Coverage intervals of the entry points (mm)",
+        2,
+        &[
+            "Cable",
+            "axis",
+            "from, linear",
+            "to, linear",
+            "from, Monte Carlo",
+            "to, Monte Carlo",
+        ],
+    );
+    let found = fit.solution.globals.entry_points.iter();
+    let cables = fit.dataset.robot.cables.iter().zip(found).enumerate();
+    for (index, (cable, found)) in cables {
+        let covariance = entry_point_covariance(&fit.solution, index);
+        let known = covariance.zip(budget.coverage_factor_of(&cable.name));
+        let Some((covariance, factor)) = known else {
+            continue;
+        };
+        for (axis, label) in ["x", "y", "z"].into_iter().enumerate() {
+            let u = factor * covariance[(axis, axis)].max(0.0).sqrt();
+            if u == 0.0 {
+                continue;
+            }
+            let drawn = monte_carlo.entry_points[index][axis];
+            let digits = decimals_of_uncertainty(1e3 * u) + 1;
+            let shown = |metres: f64| fixed(1e3 * metres, digits);
+            table.push([
+                cable.name.clone(),
+                label.to_owned(),
+                shown(found[axis] - u),
+                shown(found[axis] + u),
+                shown(drawn.from_m),
+                shown(drawn.to_m),
+            ]);
+        }
+    }
+    section.table(table);
+    section.note(format!(
+        "Monte Carlo: propagation of distributions (JCGM 101). Readings, places on the drawing and deviations of the parts were drawn {} times from their distributions and everything was identified anew; {} of the identifications converged.",
+        monte_carlo.trials, monte_carlo.converged
+    ));
 }

@@ -5,39 +5,51 @@ use tautline_core::estimation::ParameterId;
 use super::{NONE, displacements, number, signed};
 use crate::identification::{Identification, nominal_and_value, unit_of_value};
 use crate::report::document::{Section, Table};
-use crate::wording::units::{decimals, display_unit};
+use crate::report::input::ReportInput;
+use crate::wording::units::{decimals_of_uncertainty, display_unit};
 use crate::wording::{count, sentence};
 
 /// Correlations above this magnitude are listed.
 const CORRELATED: f64 = 0.9;
 /// Largest number of correlations listed.
 const LISTED: usize = 10;
-/// Standard deviation of a part's deviation over its tolerance above which the readings say hardly more than the tolerance.
-const HARDLY_KNOWN: f64 = 0.9;
+/// Number of tolerances within which the deviation of a part is nothing unusual.
+const USUAL: f64 = 2.0;
 /// Largest number of decimals shown.
 const FINEST: usize = 4;
 
-pub fn section(fit: &Identification, tolerance_m: Option<f64>) -> Section {
+pub fn section(input: &ReportInput<'_>) -> Option<Section> {
+    let fit = input.fit?;
     let mut section = Section::new("Identified values");
     if fit.solution.covariance.is_none() {
         section.lead(
             "The data do not determine all of these values: there are no standard deviations.",
         );
     } else {
-        section.paragraph("If the model explains the data, each true value lies within two standard deviations of the identified one with 95 % probability.");
+        section.paragraph("If the model explains the data, each true value lies within the expanded uncertainty of the identified one with 95 % probability.");
     }
-    displacements::drawn(fit, tolerance_m, &mut section);
+    let rule = input.session.settings.certificate.decision_rule;
+    let judged = input.choice.tolerance_m.map(|limit_m| (rule, limit_m));
+    displacements::drawn(fit, judged, &mut section);
     section.table(entry_points(fit));
-    let unknown = deviations_hardly_known(fit);
-    section.table(others(fit, &unknown));
-    if !unknown.is_empty() {
-        section.note(format!(
-            "Left out: {} of parts, of which the readings say hardly more than the tolerances.",
-            count(unknown.len(), "deviation")
+    let usual = usual_deviations(fit);
+    section.table(others(fit, |index| !usual.contains(&index)));
+    if !usual.is_empty() {
+        section.paragraph(format!(
+            "{} of parts lie within {USUAL:.0} tolerances; they are in the appendix.",
+            sentence(&count(usual.len(), "deviation"))
         ));
     }
     correlations(fit, &mut section);
-    section
+    Some(section)
+}
+
+/// The deviations of parts that are nothing unusual; `None` if there are none.
+pub fn deviations(fit: &Identification) -> Option<Section> {
+    let usual = usual_deviations(fit);
+    let mut section = Section::new("Appendix: deviations of the parts");
+    section.table(others(fit, |index| usual.contains(&index)));
+    (!usual.is_empty()).then_some(section)
 }
 
 /// Number of decimals for standard deviations (in the unit of the table), from their median.
@@ -45,7 +57,7 @@ fn common_decimals(sds: impl Iterator<Item = f64>) -> usize {
     let mut sds: Vec<f64> = sds.filter(|sd| sd.is_finite() && *sd > 0.0).collect();
     sds.sort_by(f64::total_cmp);
     sds.get(sds.len() / 2)
-        .map_or(2, |sd| decimals(*sd).min(FINEST))
+        .map_or(2, |sd| decimals_of_uncertainty(*sd).min(FINEST))
 }
 
 /// Standard deviation of a parameter; `None` if the data do not determine it.
@@ -69,8 +81,10 @@ fn entry_points(fit: &Identification) -> Table {
             "identified",
             "difference",
             "standard deviation",
+            "expanded uncertainty",
         ],
     );
+    let budget = fit.budget();
     let id = |cable, axis| ParameterId::EntryPoint { cable, axis };
     let cables = &fit.dataset.robot.cables;
     let all = (0..cables.len()).flat_map(|cable| (0..3).map(move |axis| (cable, axis)));
@@ -80,9 +94,12 @@ fn entry_points(fit: &Identification) -> Table {
     );
     let points = cables.iter().zip(&fit.solution.globals.entry_points);
     for (cable, (description, found)) in points.enumerate() {
+        let factor = (budget.as_ref()).and_then(|all| all.coverage_factor_of(&description.name));
         for (axis, label) in ["x", "y", "z"].into_iter().enumerate() {
             let nominal = description.pulley.entry_point_m[axis];
-            let sd = match sd(fit, &id(cable, axis)) {
+            let sd = sd(fit, &id(cable, axis));
+            let expanded = sd.zip(factor).map(|(sd, factor)| 1e3 * factor * sd);
+            let sd = match sd {
                 Some(sd) => number(1e3 * sd, digits),
                 None if is_estimated(fit, &id(cable, axis)) => "undetermined".to_owned(),
                 None => "given".to_owned(),
@@ -95,28 +112,30 @@ fn entry_points(fit: &Identification) -> Table {
                 number(1e3 * found[axis], digits),
                 signed(1e3 * (found[axis] - nominal), digits),
                 sd,
+                expanded.map_or_else(|| NONE.to_owned(), |mm| number(mm, digits)),
             ]);
         }
     }
     table
 }
 
-/// Indices of the deviations of parts that the readings hardly determine.
-fn deviations_hardly_known(fit: &Identification) -> Vec<usize> {
-    let is_unknown = |index: &usize| {
+/// Indices of the deviations of parts that lie within their tolerances.
+fn usual_deviations(fit: &Identification) -> Vec<usize> {
+    let is_usual = |index: &usize| {
         let parameter = &fit.solution.parameters[*index];
-        let sd = fit.solution.standard_deviation(*index);
         let is_deviation = matches!(parameter.id, ParameterId::Deviation { .. });
-        let known = sd.zip(parameter.prior_sd);
-        is_deviation && known.is_some_and(|(sd, prior)| sd > HARDLY_KNOWN * prior)
+        let found = nominal_and_value(fit, parameter);
+        let off = found.map(|(nominal, found)| (found - nominal.unwrap_or(0.0)).abs());
+        let known = off.zip(parameter.prior_sd);
+        is_deviation && known.is_some_and(|(off, tolerance)| off <= USUAL * tolerance)
     };
     (0..fit.solution.parameters.len())
-        .filter(is_unknown)
+        .filter(is_usual)
         .collect()
 }
 
-/// The other parameters without those of the given indices.
-fn others(fit: &Identification, left_out: &[usize]) -> Table {
+/// The wanted of the other parameters, by their indices.
+fn others(fit: &Identification, is_wanted: impl Fn(usize) -> bool) -> Table {
     let mut table = Table::new(
         "Other identified parameters; home rotations are relative to the nominal pose",
         2,
@@ -130,7 +149,7 @@ fn others(fit: &Identification, left_out: &[usize]) -> Table {
         ],
     );
     for (index, parameter) in fit.solution.parameters.iter().enumerate() {
-        if matches!(parameter.id, ParameterId::EntryPoint { .. }) || left_out.contains(&index) {
+        if matches!(parameter.id, ParameterId::EntryPoint { .. }) || !is_wanted(index) {
             continue;
         }
         let Some((nominal, found)) = nominal_and_value(fit, parameter) else {

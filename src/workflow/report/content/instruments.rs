@@ -1,40 +1,27 @@
 //! The instruments with their uncertainties, and the signatures.
 
 use tautline_core::robot::Robot;
+use tautline_session::{Session, Timestamp};
 
-use super::number;
+use super::{certificate, number};
 use crate::report::document::{Section, Table};
 use crate::report::input::ReportInput;
 use crate::wording::count;
 use crate::wording::units::{mm, quantity, significant};
 
-pub fn section(robot: &Robot) -> Section {
-    let mut section = Section::new("Instruments");
-    section.paragraph("Standard deviations as stated in the robot's description. Serial numbers and dates of calibration are to be filled in.");
+pub fn section(session: &Session, now: Timestamp) -> Section {
+    let mut section = Section::new("Instruments and conditions");
+    section.paragraph("Standard deviations as stated in the robot's description.");
     let mut table = Table::new(
         "Readings and their standard deviations",
         2,
-        &[
-            "Instrument",
-            "reads",
-            "number",
-            "standard deviation",
-            "serial number",
-            "calibrated on",
-        ],
+        &["Instrument", "reads", "number", "standard deviation"],
     );
-    for (name, reads, number, sd) in instruments(robot) {
-        let empty = || "\u{2026}".to_owned();
-        table.push([
-            name.into(),
-            reads.into(),
-            number.to_string(),
-            sd,
-            empty(),
-            empty(),
-        ]);
+    for (name, reads, number, sd) in instruments(&session.robot) {
+        table.push([name.into(), reads.into(), number.to_string(), sd]);
     }
     section.table(table);
+    certificate::conditions(session, now, &mut section);
     section
 }
 
@@ -106,10 +93,12 @@ fn span(values: Vec<f64>, unit: &str) -> String {
     }
 }
 
-/// The tolerance, and lines for signatures.
+/// What the document says of itself, the tolerance, and lines for signatures.
 pub fn signatures(input: &ReportInput<'_>) -> Section {
     let is_simulated = input.session.is_simulated();
-    let mut section = super::signatures(input.choice, "Measured by", is_simulated);
+    let signed = super::signatures(input.choice, "Measured by", is_simulated);
+    let mut section = Section::new(signed.title);
+    certificate::scope(input, &mut section);
     if let Some(tolerance_m) = input.choice.tolerance_m {
         section.note(format!(
             "The tolerance of {} mm for {} was given by the operator.",
@@ -117,5 +106,6 @@ pub fn signatures(input: &ReportInput<'_>) -> Section {
             count(input.session.robot.cable_count(), "pulley")
         ));
     }
+    section.blocks.extend(signed.blocks);
     section
 }

@@ -5,7 +5,9 @@ mod accuracy;
 mod adjustments;
 mod budget;
 mod causes;
+pub mod certificate;
 pub mod comparison;
+pub mod conformity;
 mod data;
 mod displacements;
 mod fit;
@@ -51,6 +53,7 @@ fn titled(
     let sections = sections.into_iter();
     Document {
         marking: marking(is_simulated),
+        reference: String::new(),
         header: choice.header.trim().to_owned(),
         title: match choice.title.trim() {
             "" => title,
@@ -83,16 +86,23 @@ fn signatures(choice: &ReportChoice, done: &str, is_simulated: bool) -> Section 
 pub fn document(input: &ReportInput<'_>) -> Document {
     let choice = input.choice;
     let wanted = Part::ALL.into_iter().filter(|part| choice.has(*part));
-    let title = match choice.title.trim() {
-        "" => format!("Calibration report: {}", input.session.name),
-        title => title.to_owned(),
+    let reference = certificate::reference(input.session);
+    let title = match (choice.title.trim(), reference.as_str()) {
+        ("", "") => format!("Calibration report: {}", input.session.name),
+        ("", reference) => reference.to_owned(),
+        (title, _) => title.to_owned(),
     };
+    let mut sections: Vec<Section> = wanted.filter_map(|part| section(part, input)).collect();
+    if let Some(last) = sections.last_mut() {
+        last.note(certificate::END);
+    }
     Document {
         marking: marking(input.session.is_simulated()),
+        reference,
         header: choice.header.trim().to_owned(),
         title,
         subtitle: head(input),
-        sections: wanted.filter_map(|part| section(part, input)).collect(),
+        sections,
     }
 }
 
@@ -102,11 +112,12 @@ fn section(part: Part, input: &ReportInput<'_>) -> Option<Section> {
     match part {
         Part::Result => Some(result::section(input)),
         Part::Robot => Some(robot::section(&session.robot)),
-        Part::Instruments => Some(instruments::section(&session.robot)),
+        Part::Instruments => Some(instruments::section(session, input.now)),
         Part::Data => Some(data::section(session)),
         Part::Method => Some(method::section(session, input.fit?)),
-        Part::Geometry => Some(geometry::section(input.fit?, input.choice.tolerance_m)),
-        Part::Budget => budget::section(input.fit?),
+        Part::Geometry => geometry::section(input),
+        Part::Budget => budget::section(input.fit?, input.monte_carlo),
+        Part::Conformity => conformity::section(input),
         Part::Fit => Some(fit::section(input.fit?, input.current_diagnosis())),
         Part::Causes => Some(causes::section(input, input.diagnosis?)),
         Part::Accuracy => accuracy::section(session),
@@ -114,13 +125,14 @@ fn section(part: Part, input: &ReportInput<'_>) -> Option<Section> {
         Part::Limits => Some(limits::section(input)),
         Part::Signatures => Some(instruments::signatures(input)),
         Part::About => Some(about::section(input)),
+        Part::Deviations => geometry::deviations(input.fit?),
         Part::Log => about::log(session),
     }
 }
 
 /// The lines below the title.
 fn head(input: &ReportInput<'_>) -> Vec<String> {
-    let mut lines = vec![format!("Robot {}", input.session.robot.label())];
+    let mut lines = certificate::head(input);
     for (what, who) in [
         ("Company", &input.choice.company),
         ("Operator", &input.choice.operator),

@@ -5,7 +5,7 @@ use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::Solution;
 use tautline_session::Session;
 
-use super::{accuracy, adjustments, displacements, when};
+use super::{accuracy, adjustments, certificate, conformity, when};
 use crate::diagnosis::proposal;
 use crate::identification::{Identification, effect_sizes, effects_title, same_effect};
 use crate::report::document::{Block, Section};
@@ -21,6 +21,9 @@ const DOUBT: f64 = 0.01;
 
 pub fn section(input: &ReportInput<'_>) -> Section {
     let mut section = Section::new("Result");
+    for text in certificate::overdue_when_used(input.session, input.now) {
+        section.lead(text);
+    }
     if input.outdated {
         section.lead(
             "The data or the model changed after this identification: identify again before you use the values.",
@@ -41,8 +44,8 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     }
     if let Some(fit) = input.fit {
         section.paragraph(moved(fit));
-        if let Some(tolerance_m) = input.choice.tolerance_m {
-            displacements::judged(fit, tolerance_m, &mut section);
+        if let Some(text) = conformity::verdict(input) {
+            section.lead(text);
         }
         section.paragraph(input.next_calibration.unwrap_or(NO_RECORD));
         for deficiency in &fit.open {

@@ -4,9 +4,9 @@ use tautline_core::robot::Robot;
 
 use super::{NONE, number};
 use crate::report::document::{Section, Table};
+use crate::wording::list;
 use crate::wording::units::mm;
 use crate::wording::units::quantity;
-use crate::wording::{count, list};
 
 pub fn section(robot: &Robot) -> Section {
     let mut section = Section::new("Robot");
@@ -38,7 +38,6 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
             |mass| quantity(mass, "kg"),
         ),
     );
-    add("Instruments", instruments(robot));
     if let Some(home) = &robot.home {
         add(
             "Home pose",
@@ -50,37 +49,6 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
         );
     }
     facts
-}
-
-/// Instruments with their standard deviations.
-fn instruments(robot: &Robot) -> String {
-    let mut all = vec!["winch encoders".to_owned()];
-    let sensors = robot.cables.iter().filter(|c| c.force_sensor.is_some());
-    match sensors.count() {
-        0 => {}
-        some if some == robot.cable_count() => all.push("force sensors on all cables".to_owned()),
-        some => all.push(format!("force sensors on {}", count(some, "cable"))),
-    }
-    if let Some(laser) = &robot.laser {
-        all.push(format!(
-            "laser distance sensor (±{})",
-            quantity(laser.sd_m, "m")
-        ));
-    }
-    if let Some(inclinometer) = &robot.inclinometer {
-        all.push(format!(
-            "inclinometer (±{})",
-            quantity(inclinometer.sd_rad, "rad")
-        ));
-    }
-    if let Some(tracker) = &robot.tracker {
-        let sd = tracker.position_sd_m.each().into_iter().fold(0.0, f64::max);
-        all.push(format!("external instrument (±{})", quantity(sd, "m")));
-    }
-    if robot.home_platform.is_some() {
-        all.push("home reference platform".to_owned());
-    }
-    list(&all)
 }
 
 fn cables(robot: &Robot) -> Table {

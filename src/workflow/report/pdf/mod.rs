@@ -72,7 +72,11 @@ fn whole_pages<'a>(document: &Document, faces: &'a Faces) -> Layout<'a> {
     let count = layout.pages.len();
     for (k, page) in layout.pages.iter_mut().enumerate() {
         page.shapes.push(marking(document.marking));
-        page.shapes.extend(footer(&document.title, k + 1, count));
+        let name = match document.reference.as_str() {
+            "" => &document.title,
+            reference => reference,
+        };
+        page.shapes.extend(footer(name, k + 1, count));
     }
     layout
 }
@@ -105,8 +109,8 @@ fn marking(text: &str) -> Shape {
     }
 }
 
-/// Title and page number.
-fn footer(title: &str, number: usize, count: usize) -> [Shape; 2] {
+/// Name and page number.
+fn footer(name: &str, number: usize, count: usize) -> [Shape; 2] {
     let text = |x: f64, anchor, text: String| Shape::Text {
         at: [x, BOTTOM + 30.0],
         size: 7.5,
@@ -116,7 +120,7 @@ fn footer(title: &str, number: usize, count: usize) -> [Shape; 2] {
         text,
     };
     [
-        text(LEFT, Anchor::Start, title.chars().take(90).collect()),
+        text(LEFT, Anchor::Start, name.chars().take(90).collect()),
         text(
             LEFT + WIDTH,
             Anchor::End,

@@ -52,7 +52,7 @@ fn examples(words: &[&str]) -> Vec<String> {
 }
 
 /// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
-const NEED_MORE: [&str; 12] = [
+const NEED_MORE: [&str; 13] = [
     "--hypothesis",
     "--record",
     "tautline history",
@@ -65,6 +65,7 @@ const NEED_MORE: [&str; 12] = [
     "config.g",
     "pulleys.xlsx",
     "simulated.csv",
+    "certificate.toml",
 ];
 
 #[cfg(unix)]

@@ -109,3 +109,93 @@ fn a_report_computes_only_what_its_parts_show() {
     let text = std::fs::read_to_string(&out).expect("the report");
     assert!(text.contains(">Data</h2>") && !text.contains(">Result</h2>"));
 }
+
+/// The details of a certificate in which nothing is empty, but for the given lines.
+fn details(folder: &Folder, without: &[&str]) -> String {
+    let lines = [
+        "format = \"tautline-certificate-details\"",
+        "version = 1",
+        "number = \"2026-017\"",
+        "laboratory = \"Robot Works & Sons, Leeds\"",
+        "country = \"GB\"",
+        "place = \"Hall 3\"",
+        "manufacturer = \"Cable Machines\"",
+        "measured_from = \"2018-07-23\"",
+        "measured_to = \"2018-07-24\"",
+        "temperature_c = 21.5",
+        "temperature_sd_k = 0.4",
+        "expansion_per_k = 12e-6",
+        "operation = \"20 kg, 0.5 m/s\"",
+        "decision_rule = \"probability95\"",
+        "[[instruments]]",
+        "name = \"Laser DX-1\"",
+        "serial_number = \"4711\"",
+        "certificate = \"D-K-1\"",
+        "calibrated_on = \"2017-03-12\"",
+        "due_on = \"2018-03-12\"",
+        "traceable_to = \"PTB\"",
+    ];
+    let is_wanted = |line: &&&str| !without.iter().any(|name| line.starts_with(name));
+    let kept: Vec<&str> = lines.iter().filter(is_wanted).copied().collect();
+    folder.write("certificate.toml", &kept.join("\n"))
+}
+
+#[test]
+fn a_certificate_states_what_it_was_given_and_what_is_missing() {
+    let folder = Folder::new();
+    let data = folder.join("mini");
+    let simulate = [
+        "simulate", "--robot", "mini", "--poses", "20", "--out", &data,
+    ];
+    tautline(&simulate).succeeded();
+    let (out, dcc) = (folder.join("c.html"), folder.join("c.xml"));
+    let of = |details: &str, out: &str| {
+        let who = ["--company", "Owner Ltd", "--operator", "A. Smith"];
+        let base = [
+            "report",
+            &data,
+            "--details",
+            details,
+            "-o",
+            out,
+            "--replace",
+        ];
+        tautline(
+            &[
+                &base[..],
+                &who,
+                &["--tolerance", "20", "--monte-carlo", "100"],
+            ]
+            .concat(),
+        )
+    };
+    let answer = of(&details(&folder, &["operation", "serial_number"]), &out);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let stated = "Serial number of the robot (in its description), Load, speed and warming up";
+    assert!(answer.stderr.contains(stated), "{}", answer.stderr);
+    let text = std::fs::read_to_string(&out).expect("the certificate");
+    for part in [
+        "<h1>Calibration certificate 2026-017</h1>",
+        "Laboratory: Robot Works &amp; Sons, Leeds",
+        "Measured: 2018-07-23 to 2018-07-24",
+        "Laser DX-1: its calibration was due on 2018-03-12.",
+        "distances are shorter by 0.018 ± 0.0048 mm per metre",
+        "a verdict needs a probability of 95 %",
+        "Probability that all pulleys are within the tolerance",
+        "must not be reproduced except in full",
+        "Laser DX-1: serial number",
+        "effective degrees of freedom",
+        "100 of the identifications converged",
+        "End of the document.",
+    ] {
+        assert!(text.contains(part), "no {part}");
+    }
+    of(&details(&folder, &["country", "number"]), &dcc)
+        .refused(&["Number of the certificate and Country of the laboratory"]);
+    of(&details(&folder, &[]), &dcc).succeeded();
+    let wrong = folder.write(
+        "wrong.toml",
+        "format = \"tautline-certificate-details\"\nversion = 1\nnumer = \"1\"\n",
+    );
+    of(&wrong, &out).refused(&["wrong.toml", "numer"]);
+}

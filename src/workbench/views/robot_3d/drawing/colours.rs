@@ -95,7 +95,8 @@ pub fn arrow_colour(
 ) -> Color32 {
     match by {
         ArrowColour::Tolerance => {
-            let conformity = moved.conformity(scene.tolerance_m.unwrap_or(f64::INFINITY));
+            let tolerance_m = scene.tolerance_m.unwrap_or(f64::INFINITY);
+            let conformity = moved.conformity(scene.decision_rule, tolerance_m);
             conformity_colour(conformity, palette)
         }
         ArrowColour::Significance => significance_colour(moved.significance(), palette),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
+use tautline_session::DecisionRule;
 
 use super::residuals::Residuals;
 use super::{
@@ -93,6 +94,7 @@ impl<'a> Subject<'a> {
             besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
             paths: None,
             tolerance_m: None,
+            decision_rule: DecisionRule::default(),
             frame,
         }
     }

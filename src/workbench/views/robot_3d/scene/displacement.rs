@@ -4,8 +4,9 @@ use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
 
 use super::{Besides, Scene, Wheel};
+use tautline_session::DecisionRule;
 use tautline_workflow::identification::{CLEAR, NOISE, chance_of_noise};
-use tautline_workflow::report::tolerance::{Conformity, expanded_uncertainty_m};
+use tautline_workflow::report::tolerance::Conformity;
 
 /// Whether a displacement exceeds its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,10 +69,9 @@ impl Displacement {
 
     /// Whether it is within a tolerance (m), as the certificate judges it.
     #[must_use]
-    pub fn conformity(&self, tolerance_m: f64) -> Conformity {
+    pub fn conformity(&self, rule: DecisionRule, tolerance_m: f64) -> Conformity {
         let covariance = self.covariance.filter(|_| self.is_explained);
-        let uncertainty_m = covariance.as_ref().map(expanded_uncertainty_m);
-        Conformity::of(self.by.norm(), uncertainty_m, tolerance_m)
+        Conformity::of(rule, &self.by, covariance.as_ref(), tolerance_m)
     }
 
     /// Whether it exceeds its uncertainty.
@@ -209,10 +209,16 @@ mod tests {
             ),
             ([3.0e-3, 0.0, 0.0], [1e-4, 1e-4, 4e-4], Conformity::Outside),
         ] {
-            assert_eq!(displacement(by, sd).conformity(2e-3), expected);
+            assert_eq!(
+                displacement(by, sd).conformity(DecisionRule::default(), 2e-3),
+                expected
+            );
         }
         let mut wrong = displacement([1e-3, 0.0, 0.0], [1e-4; 3]);
         wrong.is_explained = false;
-        assert_eq!(wrong.conformity(2e-3), Conformity::Undecided);
+        assert_eq!(
+            wrong.conformity(DecisionRule::default(), 2e-3),
+            Conformity::Undecided
+        );
     }
 }

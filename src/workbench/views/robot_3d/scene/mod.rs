@@ -16,6 +16,7 @@ mod tests;
 use std::sync::Arc;
 
 use tautline_core::geometry::{Pose, Vec3};
+use tautline_session::DecisionRule;
 
 pub use build::Subject;
 pub use displacement::{Displacement, Placed, Significance};
@@ -186,6 +187,8 @@ pub struct Scene {
     pub paths: Option<PulleyPaths>,
     /// How far a pulley may be from the drawing, if that is known (m).
     pub tolerance_m: Option<f64>,
+    /// By which rule it is decided whether a displacement is within the tolerance.
+    pub decision_rule: DecisionRule,
 }
 
 impl Scene {

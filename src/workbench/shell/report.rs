@@ -1,0 +1,150 @@
+//! The dialog of a report: place, heading, certificate, sections.
+
+use std::collections::BTreeSet;
+
+use egui::{Grid, TextEdit, Ui};
+
+use super::{State, certificate, save};
+use crate::model::command::{DIAGNOSING, IDENTIFYING, Outbox, ReportCommand, ReportDraft};
+use crate::model::phase::Screen;
+use crate::model::{self, Model};
+use crate::theme::GRID;
+use crate::widgets::{
+    Entered, Number, Verdict, checkbox, heading, modal, muted, number, primary, section, verdict,
+};
+use tautline_workflow::report::{Part, ReportChoice};
+
+/// Where is the report to be saved?
+pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
+    let format = draft.format;
+    let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
+        heading(ui, &format!("Save the report as {}", format.title()));
+        let is_of_session = matches!(state.model.screen, Screen::Phase(_));
+        if is_of_session {
+            out_of_date(ui, &state.model, &mut state.outbox);
+        }
+        let asked = save::form(ui, &mut draft.form, None);
+        if asked.browse {
+            state.outbox.send(ReportCommand::Browse(format));
+        }
+        let height = (ui.ctx().content_rect().height() - 180.0).max(80.0);
+        egui::ScrollArea::vertical()
+            .max_height(height)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                head(ui, &mut draft.choice);
+                if is_of_session {
+                    if let Some(open) = &state.model.open {
+                        certificate::form(ui, &mut draft, &open.session().robot);
+                    }
+                    parts(ui, &mut draft.choice);
+                }
+            });
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            let can_save = draft.form.can_save();
+            let is_saved = primary(ui, "Save report", can_save).clicked();
+            if let Some(path) = draft
+                .form
+                .target()
+                .filter(|_| is_saved || asked.entered && can_save)
+            {
+                state.outbox.send(ReportCommand::Save(path));
+            }
+            if ui.button("Cancel").clicked() {
+                state.outbox.send(ReportCommand::Cancel);
+            }
+        });
+    });
+    if is_left {
+        state.outbox.send(ReportCommand::Cancel);
+    }
+    let options = &state.views.robot_3d.options;
+    draft.pinned = match options.callouts {
+        true => options.pinned.clone(),
+        false => BTreeSet::new(),
+    };
+    state.model.dialogs.report = Some(draft);
+}
+
+/// What is out of date, with buttons that compute it again.
+fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let mut computing = [IDENTIFYING, DIAGNOSING].into_iter();
+    if let Some(title) = computing.find(|title| model.tasks.runs(title)) {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(format!("{title}…"));
+        });
+        return;
+    }
+    for part in model::out_of_date(model) {
+        verdict(ui, Verdict::Doubtful, part.sentence);
+        if let Some((name, command)) = part.remedy
+            && ui.button(name).clicked()
+        {
+            outbox.send(command);
+        }
+    }
+}
+
+fn head(ui: &mut Ui, choice: &mut ReportChoice) {
+    section(ui, "Heading");
+    Grid::new("head of the report")
+        .num_columns(2)
+        .spacing([3.0 * GRID, 1.5 * GRID])
+        .show(ui, |ui| {
+            for (name, text, hint) in [
+                ("Title", &mut choice.title, "Name of the session"),
+                ("Header line", &mut choice.header, "None"),
+                ("Company", &mut choice.company, "None"),
+                ("Operator", &mut choice.operator, "None"),
+            ] {
+                let label = ui.label(name);
+                let field = TextEdit::singleline(text)
+                    .hint_text(hint)
+                    .desired_width(320.0);
+                ui.add(field).labelled_by(label.id);
+                ui.end_row();
+            }
+        });
+}
+
+/// By what a report judges, and which sections it has.
+fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
+    ui.horizontal(|ui| {
+        ui.label("Tolerance of the pulleys");
+        let shown = Number {
+            name: "Tolerance of the pulleys (mm)",
+            value: choice.tolerance_m.map(|m| 1e3 * m),
+            decimals: 2,
+            unit: "mm",
+            optional: true,
+            width: 90.0,
+        };
+        match number(ui, &shown) {
+            Some(Entered::Nothing) => choice.tolerance_m = None,
+            Some(Entered::Value(mm)) if mm > 0.0 => choice.tolerance_m = Some(1e-3 * mm),
+            Some(Entered::Value(_) | Entered::Wrong(_)) | None => {}
+        }
+        muted(ui, "Without one, no verdict is given.");
+    });
+    section(ui, "Sections");
+    Grid::new("parts of the report")
+        .num_columns(2)
+        .spacing([6.0 * GRID, GRID])
+        .show(ui, |ui| {
+            for (k, part) in Part::ALL.iter().enumerate() {
+                let mut wanted = !choice.without.contains(part);
+                if checkbox(ui, &mut wanted, part.title()).changed() {
+                    if wanted {
+                        choice.without.remove(part);
+                    } else {
+                        choice.without.insert(*part);
+                    }
+                }
+                if k % 2 == 1 {
+                    ui.end_row();
+                }
+            }
+        });
+}
