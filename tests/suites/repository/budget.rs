@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7669),
-    ("core", 37254),
+    ("cli", 7711),
+    ("core", 37309),
     ("import", 18732),
     ("link", 10444),
-    ("python", 987),
-    ("session", 7969),
-    ("study", 3110),
-    ("workbench", 37813),
-    ("workflow", 19994),
+    ("python", 988),
+    ("session", 8046),
+    ("study", 3164),
+    ("workbench", 38083),
+    ("workflow", 20946),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
