@@ -12,7 +12,7 @@ use crate::theme::GRID;
 use crate::widgets::{Entered, Number, checkbox, muted, number, section};
 
 /// Width of a text field (points).
-const FIELD: f32 = 275.0;
+const FIELD: f32 = 290.0;
 /// How a date is written.
 const DATE: &str = "2026-11-28";
 
@@ -48,7 +48,6 @@ pub fn form(ui: &mut Ui, draft: &mut ReportDraft, robot: &Robot) {
             let label = ui.label("Decision rule");
             let rule = ComboBox::from_id_salt("decision rule")
                 .width(FIELD)
-                .truncate()
                 .selected_text(rule_name(details.decision_rule))
                 .show_ui(ui, |ui| {
                     for rule in DecisionRule::ALL {

@@ -91,7 +91,7 @@ pub fn rule_in_words(rule: DecisionRule) -> &'static str {
 #[must_use]
 pub fn rule_name(rule: DecisionRule) -> &'static str {
     match rule {
-        DecisionRule::ExpandedUncertainty => "Expanded uncertainty as guard band (k = 2)",
+        DecisionRule::ExpandedUncertainty => "Guard band of U (k = 2)",
         DecisionRule::Probability95 => "Probability of 95 % (ISO 14253-1)",
         DecisionRule::SimpleAcceptance => "Simple acceptance",
     }
