@@ -85,7 +85,7 @@ fn conditions(ui: &mut Ui, details: &mut CertificateDetails) {
                 optional: true,
                 width: 90.0,
             };
-            match number(ui, &shown) {
+            match ui.horizontal(|ui| number(ui, &shown)).inner {
                 Some(Entered::Nothing) => *value = None,
                 Some(Entered::Value(entered)) => *value = Some(entered / factor),
                 Some(Entered::Wrong(_)) | None => {}

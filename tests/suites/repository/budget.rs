@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7711),
+    ("cli", 7714),
     ("core", 37309),
     ("import", 18732),
     ("link", 10444),
     ("python", 988),
     ("session", 8046),
     ("study", 3164),
-    ("workbench", 38083),
-    ("workflow", 20946),
+    ("workbench", 38082),
+    ("workflow", 20951),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
