@@ -97,7 +97,9 @@ fn held(seed: u64) -> Result<Held> {
             continue;
         };
         for axis in 0..3 {
-            let Some(sd) = document.entry_points_sd_m[index][axis] else {
+            let sd = document.entry_points_sd_m[index][axis];
+            // Coordinates that are known exactly have no interval.
+            let Some(sd) = sd.filter(|sd| *sd > 0.0) else {
                 continue;
             };
             let off = fit.solution.globals.entry_points[index][axis] - truth[index][axis];
@@ -127,7 +129,7 @@ pub fn propagation(draws: usize, first_seed: u64) -> Result<String> {
             let factor = budget.coverage_factor_of(&cable.name);
             for axis in 0..3 {
                 let sd = document.entry_points_sd_m[index][axis];
-                if let Some((factor, sd)) = factor.zip(sd) {
+                if let Some((factor, sd)) = factor.zip(sd.filter(|sd| *sd > 0.0)) {
                     let CoverageInterval { from_m, to_m } = drawn.entry_points[index][axis];
                     ratios.push((to_m - from_m) / (2.0 * factor * sd));
                 }
