@@ -82,8 +82,12 @@ struct TestedPattern {
 }
 
 impl Displacements {
+    /// `None` for a fit that did not converge: its covariance is not that of an estimate.
     fn of(robot: &Robot, solution: &Solution) -> Option<Self> {
-        let covariance = solution.covariance.as_ref()?;
+        let covariance = solution
+            .covariance
+            .as_ref()
+            .filter(|_| solution.converged())?;
         let mut places = Vec::new();
         let mut columns = Vec::new();
         let (mut values, mut stated) = (Vec::new(), Vec::new());

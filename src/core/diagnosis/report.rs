@@ -212,7 +212,8 @@ pub struct UnmodelledError {
     pub readings: ReadingId,
     /// On what the error depends, and how.
     pub form: ErrorForm,
-    /// Root mean square of the error over the readings (m, N or rad); `None` if it was tested for but not estimated.
+    /// Root mean square over the readings of the part that the identified values do not take up (m, N or rad); `None` if it was tested
+    /// for but not estimated.
     pub rms: Option<f64>,
 }
 

@@ -38,7 +38,7 @@ pub(super) struct StructuredError {
     pub log_odds: f64,
     /// Log prior probability.
     pub log_prior: f64,
-    /// Posterior mean of the root mean square over the readings (SI units).
+    /// Root mean square over the readings of the part that the identified values do not take up (SI units).
     pub rms: f64,
     /// Columns as conditions, with prior variance 1.
     pub columns: DMatrix<f64>,
@@ -192,8 +192,8 @@ impl<'l> ErrorSearch<'l> {
         }
     }
 
-    /// Posterior mean of an error, `(K + 1/s^2)^-1 b` in terms of its functions, as its root mean square over the
-    /// readings (SI units).
+    /// Root mean square over the readings (SI units) of the part of an error `c` that the identified values do not take up, with the
+    /// posterior mean `c = (K + 1/s^2)^-1 b`: `c^T K c` is its chi-square.
     fn rms(
         &self,
         at: &Estimate<'_>,
@@ -202,13 +202,17 @@ impl<'l> ErrorSearch<'l> {
     ) -> f64 {
         let target = &self.targets[scored.target];
         let functions = with_constant(functions(self.family(scored)), &target.poses);
-        let (score, mut information) = ReadingErrors::new(&at.base, &target.classes).of(&functions);
+        let (score, information) = ReadingErrors::new(&at.base, &target.classes).of(&functions);
+        let mut with_prior = information.clone();
         for k in 0..score.len() {
-            information[(k, k)] += scored.size.powi(-2);
+            with_prior[(k, k)] += scored.size.powi(-2);
         }
-        let mean = information.cholesky().map(|factor| factor.solve(&score));
-        let squares = mean.map_or(0.0, |mean| (functions * mean).norm_squared());
-        target.sd * (squares / target.poses.len() as f64).sqrt()
+        let mean = with_prior.cholesky().map(|factor| factor.solve(&score));
+        let chi2 = mean.map_or(0.0, |mean| mean.dot(&(information * &mean)));
+        let variances = target.classes.iter().map(|k| at.hyper.variance[*k]);
+        let classes = target.classes.len() as f64;
+        let variance = variances.sum::<f64>() / classes;
+        target.sd * (variance * chi2 / (classes * target.poses.len() as f64)).sqrt()
     }
 
     /// A constant and the functions of a family as conditions.
