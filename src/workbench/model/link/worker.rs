@@ -23,7 +23,7 @@ use tautline_workflow::controllers::{ConnectionSetup, Kind, OpenError};
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
 /// Shortest time between two samples of a simulated robot whose time runs faster.
-const SHORTEST_TICK: Duration = Duration::from_millis(1);
+const SHORTEST_TICK: Duration = Duration::from_millis(3);
 /// Longest step of a simulated robot's time during an operation (s).
 const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the time that is left until a lost connection is tried again.

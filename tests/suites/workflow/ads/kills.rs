@@ -4,7 +4,7 @@ use tautline_validation::support::ads::Protocol;
 use tautline_validation::tables::kills::study;
 
 /// Runs of each kind that are killed.
-const RUNS: usize = 4;
+const RUNS: usize = 2;
 
 fn killed_runs_lose_nothing_and_are_settled(protocol: Protocol) {
     let kills = study(protocol, RUNS, 48_000).expect("runs that are not killed");
