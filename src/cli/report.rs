@@ -14,7 +14,7 @@ use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose};
 use tautline_workflow::history::{RobotRecord, next_calibration_after};
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::report::{
-    Part, ReportChoice, ReportError, ReportInput, missing_details, render_report,
+    Part, ReportChoice, ReportError, ReportFormat, ReportInput, missing_details, render_report,
 };
 use tautline_workflow::wording::list;
 
@@ -135,6 +135,11 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     let format = session_report_format("--out", &arguments.out)?;
+    if arguments.monte_carlo.is_some() && format == ReportFormat::Dcc {
+        return Err(BadInput::new(
+            "--monte-carlo: expected only with .html or .pdf; a Digital Calibration Certificate has the linear uncertainties",
+        ));
+    }
     if let Some(mm) = arguments.tolerance {
         metres("--tolerance", mm)?;
     }

@@ -209,6 +209,20 @@ mod tests {
         }
     }
 
+    /// Independent points multiply, and points that move together are one; 0.012 is three standard errors of 20,000 draws.
+    #[test]
+    fn the_joint_probability_has_its_limits_of_independence_and_of_one_motion() {
+        let (mean, sd, tolerance) = (Vec3::new(0.4, -0.2, 0.1), 0.5, 1.0);
+        let one = of(mean.into(), [sd * sd; 3], tolerance);
+        let joint = |covariance: &DMatrix<f64>| {
+            joint_conformance_probability(&[mean; 2], covariance, tolerance).expect("semidefinite")
+        };
+        let independent = joint(&(DMatrix::identity(6, 6) * (sd * sd)));
+        assert!((independent - one * one).abs() < 0.012, "{independent}");
+        let together = DMatrix::from_fn(6, 6, |i, k| if i % 3 == k % 3 { sd * sd } else { 0.0 });
+        assert!((joint(&together) - one).abs() < 0.012);
+    }
+
     #[test]
     fn exact_coordinates_have_no_distribution() {
         let expected = normal_cdf(2.0) - normal_cdf(-4.0);

@@ -233,9 +233,11 @@ pub fn report(
 }
 
 fn report_format(out: &Path) -> PyResult<ReportFormat> {
-    ReportFormat::of(out).ok_or_else(|| {
+    // What a Digital Calibration Certificate states beside the results comes from the command.
+    let format = ReportFormat::of(out).filter(|format| *format != ReportFormat::Dcc);
+    format.ok_or_else(|| {
         error(format!(
-            "found {}, expected a name that ends with .html, .pdf or .xml",
+            "found {}, expected a name that ends with .html or .pdf",
             out.display()
         ))
     })

@@ -22,7 +22,7 @@ pub mod which_sensor;
 
 pub use file::StudyFile;
 pub use merging::{RESULT, calibrations, merge, read_result};
-pub use monte_carlo::monte_carlo;
+pub use monte_carlo::{drawn_entry_points, monte_carlo};
 pub use plan::{StudyPlan, read_plan};
 pub use result::StudyResult;
 

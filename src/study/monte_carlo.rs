@@ -2,6 +2,7 @@
 
 use rand_distr::{Distribution, StandardNormal};
 use tautline_core::estimation::{Control, Options, solve};
+use tautline_core::measurement::Dataset;
 use tautline_core::simulation::drawn_inputs;
 use tautline_core::threads::{available, map};
 use tautline_workflow::identification::{COVERAGE_PROBABILITY, Identification};
@@ -13,8 +14,7 @@ use crate::design::stream;
 /// Trials that do not converge are counted, not used.
 #[must_use]
 pub fn monte_carlo(fit: &Identification, trials: usize) -> MonteCarlo {
-    let found = map(trials, available(), |trial| entry_points(fit, trial as u64));
-    let found: Vec<Vec<[f64; 3]>> = found.into_iter().flatten().collect();
+    let found = drawn_entry_points(fit, trials, &|_| ());
     let places = fit.solution.globals.entry_points.len();
     let interval = |cable: usize, axis: usize| {
         let mut values: Vec<f64> = found.iter().map(|places| places[cable][axis]).collect();
@@ -39,10 +39,28 @@ pub fn monte_carlo(fit: &Identification, trials: usize) -> MonteCarlo {
     }
 }
 
+/// Entry points identified from drawn inputs (m), of each trial that converges. `change` may put inputs back to their values; the
+/// others stay as drawn.
+pub fn drawn_entry_points(
+    fit: &Identification,
+    trials: usize,
+    change: &(dyn Fn(&mut Dataset) + Sync),
+) -> Vec<Vec<[f64; 3]>> {
+    let found = map(trials, available(), |trial| {
+        entry_points(fit, trial as u64, change)
+    });
+    found.into_iter().flatten().collect()
+}
+
 /// The entry points of one trial; `None` if it does not converge.
-fn entry_points(fit: &Identification, trial: u64) -> Option<Vec<[f64; 3]>> {
+fn entry_points(
+    fit: &Identification,
+    trial: u64,
+    change: &dyn Fn(&mut Dataset),
+) -> Option<Vec<[f64; 3]>> {
     let mut rng = stream(0, trial);
-    let dataset = drawn_inputs(&fit.dataset, &mut rng);
+    let mut dataset = drawn_inputs(&fit.dataset, &mut rng);
+    change(&mut dataset);
     let problem = fit.options.problem(&dataset, fit.method).ok()?;
     let mut problem = problem.with_effects(fit.free_effects().to_vec());
     // Deviations are estimated around drawn ones, as the places of the pulleys are around drawn places.

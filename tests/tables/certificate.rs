@@ -5,10 +5,11 @@ use std::fmt::Write as _;
 
 use anyhow::{Context, Result};
 use tautline_core::estimation::{Control, Method};
+use tautline_core::measurement::Dataset;
 use tautline_core::robot::PartTolerances;
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
-use tautline_study::monte_carlo;
+use tautline_study::{drawn_entry_points, monte_carlo};
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 use tautline_workflow::report::CoverageInterval;
 
@@ -147,4 +148,81 @@ pub fn propagation(draws: usize, first_seed: u64) -> Result<String> {
         )?;
     }
     Ok(text)
+}
+
+/// An input that can be put back to its value in the first data set.
+type Restore = fn(&mut Dataset, &Dataset);
+
+/// Sources of the budget that a data set holds, by name.
+const SOURCES: [(&str, Restore); 6] = [
+    ("encoders", |drawn, known| {
+        (drawn.measurements.revolutions).clone_from(&known.measurements.revolutions);
+        (drawn.measurements.length_m).clone_from(&known.measurements.length_m);
+    }),
+    ("force_sensors", |drawn, known| {
+        (drawn.measurements.force_n).clone_from(&known.measurements.force_n);
+    }),
+    ("laser", |drawn, known| {
+        (drawn.measurements.laser_m).clone_from(&known.measurements.laser_m);
+    }),
+    ("home_pose", |drawn, known| {
+        drawn.robot.home = known.robot.home
+    }),
+    ("target_plane", |drawn, known| {
+        drawn.robot.laser = known.robot.laser
+    }),
+    ("drawing", |drawn, known| {
+        for (cable, known) in drawn.robot.cables.iter_mut().zip(&known.robot.cables) {
+            cable.pulley.entry_point_m = known.pulley.entry_point_m;
+        }
+    }),
+];
+
+/// Share of each source in the variance of all entry points, by the budget and by what the variance of identifications from drawn
+/// inputs loses when this source is not drawn.
+///
+/// # Errors
+/// If a robot cannot be simulated or identified.
+pub fn recomputation(draws: usize, first_seed: u64) -> Result<String> {
+    let mut text = String::from(
+        "| robot | source | share by the budget | share by recomputation without it |\n|---|---|--:|--:|\n",
+    );
+    for (index, robot) in ROBOTS.iter().enumerate() {
+        let (fit, _) = identified(4 * first_seed.div_ceil(4) + index as u64)?;
+        let budget = fit.budget().context("a budget")?;
+        let variance = |change: &(dyn Fn(&mut Dataset) + Sync)| {
+            variance_of_all(&drawn_entry_points(&fit, draws, change))
+        };
+        let whole = variance(&|_| ());
+        let budgets = || budget.pulleys.iter().map(|pulley| &pulley.budget);
+        let total: f64 = budgets().map(|one| one.variance_m2).sum();
+        for (source, restore) in SOURCES {
+            let of_source = budgets().map(|one| one.share(source) * one.variance_m2);
+            let by_budget = of_source.sum::<f64>() / total;
+            if by_budget == 0.0 {
+                continue;
+            }
+            let without = variance(&|drawn| restore(drawn, &fit.dataset));
+            writeln!(
+                text,
+                "| {robot} | {source} | {:.1} % | {:.1} % |",
+                100.0 * by_budget,
+                100.0 * (1.0 - without / whole)
+            )?;
+        }
+    }
+    Ok(text)
+}
+
+/// Sum of the sample variances of all coordinates (m^2).
+fn variance_of_all(found: &[Vec<[f64; 3]>]) -> f64 {
+    let count = found.len() as f64;
+    let cables = found.first().map_or(0, Vec::len);
+    let coordinates = (0..cables).flat_map(|cable| [0, 1, 2].map(|axis| (cable, axis)));
+    let variance = |(cable, axis): (usize, usize)| {
+        let values = || found.iter().map(|places| places[cable][axis]);
+        let mean = values().sum::<f64>() / count;
+        values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)
+    };
+    coordinates.map(variance).sum()
 }

@@ -39,6 +39,15 @@ pub struct CertificateDetails {
     pub instruments: Vec<CalibratedInstrument>,
 }
 
+impl CertificateDetails {
+    /// Whether the country has the form of ISO 3166-1: two capital letters.
+    #[must_use]
+    pub fn has_country(&self) -> bool {
+        let letters = self.country.trim().as_bytes();
+        letters.len() == 2 && letters.iter().all(u8::is_ascii_uppercase)
+    }
+}
+
 /// Decision rule of statements of conformity (ILAC-G8:09/2019).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -90,7 +99,7 @@ impl CalibratedInstrument {
 /// Begin of a day written `2026-11-28` (UTC); `None` for any other text.
 #[must_use]
 pub fn day(date: &str) -> Option<Timestamp> {
-    format!("{date}T00:00:00Z").parse().ok()
+    format!("{}T00:00:00Z", date.trim()).parse().ok()
 }
 
 impl VersionedFile for CertificateDetails {

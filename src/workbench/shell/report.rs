@@ -12,7 +12,7 @@ use crate::theme::GRID;
 use crate::widgets::{
     Entered, Number, Verdict, checkbox, heading, modal, muted, number, primary, section, verdict,
 };
-use tautline_workflow::report::{Part, ReportChoice};
+use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 
 /// Where is the report to be saved?
 pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
@@ -37,7 +37,10 @@ pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
                     if let Some(open) = &state.model.open {
                         certificate::form(ui, &mut draft, &open.session().robot);
                     }
-                    parts(ui, &mut draft.choice);
+                    tolerance(ui, &mut draft.choice);
+                    if format != ReportFormat::Dcc {
+                        sections(ui, &mut draft.choice);
+                    }
                 }
             });
         ui.add_space(2.0 * GRID);
@@ -109,8 +112,7 @@ fn head(ui: &mut Ui, choice: &mut ReportChoice) {
         });
 }
 
-/// By what a report judges, and which sections it has.
-fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
+fn tolerance(ui: &mut Ui, choice: &mut ReportChoice) {
     ui.horizontal(|ui| {
         ui.label("Tolerance of the pulleys");
         let shown = Number {
@@ -128,6 +130,9 @@ fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
         }
         muted(ui, "Without one, no verdict is given.");
     });
+}
+
+fn sections(ui: &mut Ui, choice: &mut ReportChoice) {
     section(ui, "Sections");
     Grid::new("parts of the report")
         .num_columns(2)

@@ -1,10 +1,10 @@
 //! Uncertainty of the figures of ISO 9283, from the scatter of the cycles and the instrument.
 
 use nalgebra::Vector3;
-use tautline_core::accuracy::iso9283::Target;
+use tautline_core::accuracy::iso9283::{PoseFigures, Target, pose_accuracy};
+use tautline_core::geometry::Pose;
 use tautline_core::statistics::student_t_quantile;
 
-use super::group::Group;
 use crate::identification::COVERAGE_PROBABILITY;
 
 /// A figure with its expanded uncertainty.
@@ -16,7 +16,7 @@ pub struct UncertainFigure {
     pub expanded_m: f64,
 }
 
-/// Figures of the commanded poses of a run.
+/// Figures of the commanded poses of a run; for the points of a path the largest ones are AT and RT.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UncertainPoseFigures {
     /// Mean pose accuracy AP.
@@ -29,6 +29,9 @@ pub struct UncertainPoseFigures {
     pub largest_repeatability: UncertainFigure,
     /// Distance accuracy AD of two successive poses that is largest in magnitude; `None` with fewer than two poses.
     pub largest_distance_accuracy: Option<UncertainFigure>,
+    /// Drift dAP: change of AP from the first half of the cycles to the last, the largest of all poses; `None` with fewer than four
+    /// cycles.
+    pub largest_drift: Option<UncertainFigure>,
 }
 
 /// A figure of one pose: its value, the variance of its scatter (m^2), and the degrees of freedom of that.
@@ -42,12 +45,20 @@ struct Scattered {
 /// The figures of poses with uncertainties. `instrument_sd_m` is the standard uncertainty of a position by the instrument, common to
 /// all cycles. `None` without poses.
 #[must_use]
-pub fn pose_uncertainties(groups: &[&Group], instrument_sd_m: f64) -> Option<UncertainPoseFigures> {
-    let targets: Vec<&Target> = groups.iter().map(|group| &group.points[0].target).collect();
-    let accuracies: Vec<Scattered> = targets.iter().map(|target| accuracy(target)).collect();
-    let spreads: Vec<Scattered> = targets.iter().map(|target| repeatability(target)).collect();
-    let pairs = targets.windows(2).map(|pair| distance(pair[0], pair[1]));
+pub fn pose_uncertainties(
+    targets: &[Target],
+    instrument_sd_m: f64,
+) -> Option<UncertainPoseFigures> {
+    let figures = pose_accuracy(targets).ok()?.targets;
+    let of_each = |scatter: fn(&Target, &PoseFigures) -> Scattered| -> Vec<Scattered> {
+        let all = targets.iter().zip(&figures);
+        all.map(|(target, figures)| scatter(target, figures))
+            .collect()
+    };
+    let (accuracies, spreads) = (of_each(accuracy), of_each(repeatability));
+    let pairs = targets.windows(2).map(|pair| distance(&pair[0], &pair[1]));
     let far = pairs.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let drifts: Option<Vec<Scattered>> = targets.iter().map(drift).collect();
     Some(UncertainPoseFigures {
         mean_accuracy: expanded(mean(&accuracies)?, instrument_sd_m),
         largest_accuracy: expanded(largest(&accuracies)?, instrument_sd_m),
@@ -55,6 +66,7 @@ pub fn pose_uncertainties(groups: &[&Group], instrument_sd_m: f64) -> Option<Unc
         largest_repeatability: expanded(largest(&spreads)?, 0.0),
         largest_distance_accuracy: far
             .map(|one| expanded(one, std::f64::consts::SQRT_2 * instrument_sd_m)),
+        largest_drift: (drifts.as_deref().and_then(largest)).map(|one| expanded(one, 0.0)),
     })
 }
 
@@ -70,32 +82,28 @@ fn positions(target: &Target) -> Vec<Vector3<f64>> {
     target.attained.iter().map(|pose| pose.position).collect()
 }
 
-fn barycentre(positions: &[Vector3<f64>]) -> Vector3<f64> {
-    positions.iter().sum::<Vector3<f64>>() / positions.len() as f64
-}
-
-/// AP: distance of the barycentre from the command; its variance is that of the barycentre in this direction.
-fn accuracy(target: &Target) -> Scattered {
-    let attained = positions(target);
-    let off = barycentre(&attained) - target.commanded.position;
-    let along = off.try_normalize(0.0).unwrap_or_default();
-    let values: Vec<f64> = attained.iter().map(|one| one.dot(&along)).collect();
+/// AP, with the variance of the barycentre in the direction of its deviation.
+fn accuracy(target: &Target, figures: &PoseFigures) -> Scattered {
+    let along = figures.deviation_m.try_normalize(0.0).unwrap_or_default();
+    let values: Vec<f64> = (positions(target).iter())
+        .map(|one| one.dot(&along))
+        .collect();
     Scattered {
-        value: off.norm(),
+        value: figures.accuracy_m,
         variance: moments(&values)[1] / values.len() as f64,
         degrees_of_freedom: values.len() as f64 - 1.0,
     }
 }
 
-/// RP: mean distance from the barycentre plus three of its standard deviations, with the variances of both.
-fn repeatability(target: &Target) -> Scattered {
-    let attained = positions(target);
-    let centre = barycentre(&attained);
-    let values: Vec<f64> = attained.iter().map(|one| (one - centre).norm()).collect();
-    let [mean, variance] = moments(&values);
+/// RP, with the variances of the mean distance from the barycentre and of three of its standard deviations.
+fn repeatability(target: &Target, figures: &PoseFigures) -> Scattered {
+    let values: Vec<f64> = (positions(target).iter())
+        .map(|one| (one - figures.barycentre_m).norm())
+        .collect();
+    let [_, variance] = moments(&values);
     let n = values.len() as f64;
     Scattered {
-        value: mean + 3.0 * variance.sqrt(),
+        value: figures.repeatability_m.unwrap_or(f64::NAN),
         variance: variance * (1.0 / n + 9.0 / (2.0 * (n - 1.0))),
         degrees_of_freedom: n - 1.0,
     }
@@ -112,6 +120,26 @@ fn distance(first: &Target, second: &Target) -> Scattered {
         variance: variance / values.len() as f64,
         degrees_of_freedom: values.len() as f64 - 1.0,
     }
+}
+
+/// dAP (ISO 9283:1998, 7.5) over the run: the error of the instrument is in both halves and cancels.
+fn drift(target: &Target) -> Option<Scattered> {
+    let half = target.attained.len() / 2;
+    let part = |attained: &[Pose]| {
+        let part = Target {
+            commanded: target.commanded,
+            attained: attained.to_vec(),
+        };
+        let figures = pose_accuracy(std::slice::from_ref(&part)).ok()?;
+        Some(accuracy(&part, figures.targets.first()?))
+    };
+    let first = part(target.attained.get(..half).filter(|_| half > 1)?)?;
+    let last = part(&target.attained[target.attained.len() - half..])?;
+    Some(Scattered {
+        value: (last.value - first.value).abs(),
+        variance: first.variance + last.variance,
+        degrees_of_freedom: first.degrees_of_freedom + last.degrees_of_freedom,
+    })
 }
 
 fn largest(all: &[Scattered]) -> Option<Scattered> {
@@ -148,7 +176,6 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;
-    use tautline_core::geometry::Pose;
 
     use super::*;
 
@@ -167,7 +194,8 @@ mod tests {
                 commanded: pose(Vector3::zeros()),
                 attained: (0..5).map(|_| pose(reading())).collect(),
             };
-            let found = expanded(accuracy(&target), instrument);
+            let figures = pose_accuracy(std::slice::from_ref(&target)).expect("figures");
+            let found = expanded(accuracy(&target, &figures.targets[0]), instrument);
             (found.value_m - off.norm()).abs() <= found.expanded_m
         });
         let share = held.count() as f64 / f64::from(trials);
@@ -183,5 +211,20 @@ mod tests {
         };
         let ad = distance(&of(0.0, [0.0, 0.1]), &of(1.0, [1.2, 1.3]));
         assert!((ad.value - 0.2).abs() < 1e-12 && ad.variance < 1e-12);
+    }
+
+    #[test]
+    fn drift_is_the_change_of_accuracy_from_the_first_cycles_to_the_last() {
+        let at = |x: f64| Pose::from_parts([x, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]);
+        let of = |attained: &[f64]| {
+            drift(&Target {
+                commanded: at(0.0),
+                attained: attained.iter().map(|x| at(*x)).collect(),
+            })
+        };
+        let drift = of(&[0.1, 0.3, 7.0, 0.6, 0.8]).expect("two cycles in each half");
+        assert!((drift.value - 0.5).abs() < 1e-12 && drift.degrees_of_freedom == 2.0);
+        assert!((drift.variance - 0.02).abs() < 1e-12);
+        assert!(of(&[0.1, 0.3, 0.6]).is_none());
     }
 }

@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 use quick_xml::escape::escape;
 use tautline_core::statistics::chi_square_quantile;
-use tautline_session::CalibratedInstrument;
+use tautline_session::{CalibratedInstrument, day};
 
 use super::content::certificate::{SCOPE, overdue_when_used};
 use super::content::conformity;
@@ -54,16 +54,17 @@ pub fn render(input: &ReportInput<'_>) -> Result<String, DccError> {
 /// Names the fields that the format requires and that are empty.
 fn refuse_incomplete(input: &ReportInput<'_>) -> Result<(), DccError> {
     let details = &input.session.settings.certificate;
-    let country = details.country.trim();
-    let is_country = country.len() == 2 && country.bytes().all(|one| one.is_ascii_uppercase());
-    let is_date = |text: &str| tautline_session::day(text.trim()).is_some();
+    let is_date = |text: &str| day(text).is_some();
     let needed = [
         (
             "Number of the certificate",
             !details.number.trim().is_empty(),
         ),
         ("Laboratory", !details.laboratory.trim().is_empty()),
-        ("Country of the laboratory, two capital letters", is_country),
+        (
+            "Country of the laboratory, two capital letters",
+            details.has_country(),
+        ),
         ("First day of measuring", is_date(&details.measured_from)),
         ("Last day of measuring", is_date(&details.measured_to)),
         ("Temperature", details.temperature_c.is_some()),

@@ -19,6 +19,17 @@ pub struct Document {
     pub sections: Vec<Section>,
 }
 
+impl Document {
+    /// What stands at the foot of every page: the reference, or the title.
+    #[must_use]
+    pub fn foot(&self) -> &str {
+        match self.reference.as_str() {
+            "" => &self.title,
+            reference => reference,
+        }
+    }
+}
+
 /// A section with a heading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {

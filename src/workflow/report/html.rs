@@ -20,7 +20,7 @@ pub fn render(document: &Document) -> String {
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (document.title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(foot(document.foot()))) }
             }
             body {
                 @if !document.marking.is_empty() { p.marking { (document.marking) } }
@@ -37,6 +37,19 @@ pub fn render(document: &Document) -> String {
     };
     // Escape sequences and marks of direction mean something to whoever prints the file, or reads its source.
     printable(&page.into_string()).into_owned()
+}
+
+/// Style of the foot of printed pages: name and page number.
+fn foot(name: &str) -> String {
+    // Characters other than letters and digits as escape sequences, which end neither the text nor the style.
+    let escaped = name.chars().map(|one| match one.is_alphanumeric() {
+        true => one.to_string(),
+        false => format!("\\{:x} ", u32::from(one)),
+    });
+    let name: String = escaped.collect();
+    format!(
+        "@page {{ @bottom-left {{ content: \"{name}\"; }} @bottom-right {{ content: \"Page \" counter(page) \" of \" counter(pages); }} }}"
+    )
 }
 
 fn section(section: &Section) -> Markup {

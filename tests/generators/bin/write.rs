@@ -235,15 +235,14 @@ fn clean_robots_table(numbers: &[String]) -> Result<String> {
     Ok(random_robots::clean_markdown(&rows))
 }
 
-/// Coverage of the expanded uncertainties of so many robots, and what a Monte Carlo says of them.
+/// Coverage of the expanded uncertainties of so many robots, and the shares of their budgets, beside a Monte Carlo.
 fn certificate_table(numbers: &[String]) -> Result<String> {
     let number = |k: usize| numbers.get(k).map(|text| text.parse::<u64>()).transpose();
     let (robots, first) = (number(0)?.unwrap_or(2000), number(1)?.unwrap_or(2_026_000));
     let coverage = certificate::coverage(robots, first)?;
-    Ok(format!(
-        "{coverage}\n{}",
-        certificate::propagation(2000, first)?
-    ))
+    let propagation = certificate::propagation(2000, first)?;
+    let recomputation = certificate::recomputation(2000, first)?;
+    Ok(format!("{coverage}\n{propagation}\n{recomputation}"))
 }
 
 /// Diagnoses a fault of five robots at one number of poses, or at all; wrong names go to standard error.

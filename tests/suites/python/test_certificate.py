@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dcclib.validation import SchematronValidator
+from dcclib.validation import SchemaDownloadError, SchematronValidator, XsdValidator
 from lxml import etree
 
 import tautline
@@ -57,6 +57,15 @@ def test_the_certificate_follows_the_rules_of_the_format(certificate: Path) -> N
     found = SchematronValidator.for_dcc().validate_file(str(certificate))
     errors = [one for one in found.successful_reports if one.role == "error"]
     assert found.is_valid and not found.failed_assertions and not errors, found
+
+
+def test_the_certificate_is_valid_against_the_schema(certificate: Path) -> None:
+    try:
+        validator = XsdValidator.from_version("3.3.0")
+    except SchemaDownloadError as error:
+        pytest.skip(f"the schema of the format is published by PTB, not with its programs: {error}")
+    found = validator.validate_file(str(certificate))
+    assert found.is_valid, found
 
 
 def test_its_numbers_are_those_of_identify(certificate: Path, data: Path) -> None:

@@ -69,7 +69,7 @@ def test_values_that_are_wrong_are_value_errors(run: tautline.Run) -> None:
         (lambda: tautline.export(data, "data.xls"), "found data.xls, expected a file that ends in .csv, .parquet or .mat"),
         (lambda: tautline.export(data, "data.csv", ["poses", "values"]), "tables: found 2 for data.csv"),
         (lambda: tautline.export(data, "data.csv", ["pulleys"]), 'tables: found "pulleys"'),  # type: ignore[list-item]
-        (lambda: tautline.report(data, "report.txt"), "expected a name that ends with .html, .pdf or .xml"),
+        (lambda: tautline.report(data, "report.txt"), "expected a name that ends with .html or .pdf"),
         (lambda: tautline.report(data, "a.html", sections=["all"]), 'sections: found "all"'),
         (lambda: tautline.report(data, "a.html", tolerance_m=-1.0), "tolerance_m: found -1"),
         (lambda: tautline.import_readings("nowhere.csv", MINI), "nowhere.csv: not found"),

@@ -1,5 +1,6 @@
 //! Accuracy measured by an external instrument: figures of ISO 9283.
 
+use tautline_core::accuracy::iso9283::Target;
 use tautline_session::{CheckKind, CheckRow, Session, Stage};
 
 use super::{NONE, when};
@@ -17,19 +18,31 @@ struct Run {
     figures: Result<Figures, String>,
 }
 
-/// Figures with the uncertainties of those of the poses.
+/// Figures with their uncertainties.
 struct Figures {
     whole: Accuracy,
     poses: Option<UncertainPoseFigures>,
+    /// Of each path with figures, in their order.
+    paths: Vec<UncertainPoseFigures>,
 }
 
 fn figures(rows: &[CheckRow], instrument_sd_m: f64) -> Result<Figures, String> {
     let groups = group(rows)?;
-    let is_pose = |group: &&Group| group.kind == CheckKind::Pose;
-    let poses: Vec<&Group> = groups.iter().filter(is_pose).collect();
+    let points = |group: &Group| -> Vec<Target> {
+        group
+            .points
+            .iter()
+            .map(|point| point.target.clone())
+            .collect()
+    };
+    let (poses, paths): (Vec<&Group>, Vec<&Group>) =
+        (groups.iter()).partition(|group| group.kind == CheckKind::Pose);
+    let poses: Vec<Target> = poses.into_iter().flat_map(points).collect();
+    let of_path = |path: &Group| pose_uncertainties(&points(path), instrument_sd_m);
     Ok(Figures {
         whole: accuracy(&groups)?,
         poses: pose_uncertainties(&poses, instrument_sd_m),
+        paths: paths.into_iter().filter_map(of_path).collect(),
     })
 }
 
@@ -92,23 +105,24 @@ pub fn section(session: &Session) -> Option<Section> {
         section.lead(text);
     }
     let mut poses = Table::new(
-        "Poses: accuracy AP, repeatability RP and distance accuracy AD of ISO 9283:1998 with expanded uncertainties (mm)",
+        "Poses: accuracy AP, repeatability RP, distance accuracy AD and drift dAP of ISO 9283:1998 with expanded uncertainties (mm)",
         2,
         &[
             "Run",
-            "adjustment",
+            "stage",
             "poses",
             "AP mean",
             "AP largest",
             "RP mean",
             "RP largest",
             "AD largest",
+            "dAP largest",
         ],
     );
     let mut paths = Table::new(
-        "Paths: accuracy AT and repeatability RT of ISO 9283:1998 (mm)",
+        "Paths: accuracy AT and repeatability RT of ISO 9283:1998 with expanded uncertainties (mm)",
         3,
-        &["Run", "adjustment", "path", "cycles", "AT", "RT"],
+        &["Run", "stage", "path", "cycles", "AT", "RT"],
     );
     for run in &runs {
         match &run.figures {
@@ -126,7 +140,7 @@ pub fn section(session: &Session) -> Option<Section> {
         None => "the instrument is not stated and taken as exact".to_owned(),
     };
     section.note(format!(
-        "Uncertainties for a coverage probability of 95 %, by the t distribution: scatter of the cycles; {instrument}. AD: successive poses. Drift of pose was not measured."
+        "Uncertainties for a coverage probability of 95 %, by the t distribution: scatter of the cycles; {instrument}. AD: successive poses. dAP: from the first half of the cycles to the last, by four cycles or more; the instrument cancels."
     ));
     Some(section)
 }
@@ -147,19 +161,14 @@ fn figure(of: UncertainFigure, show: fn(f64, usize) -> String) -> String {
 
 fn add(run: &Run, figures: &Figures, poses: &mut Table, paths: &mut Table) {
     let stage = match run.stage {
-        Some(Stage::Before) => "before",
-        Some(Stage::After) => "after",
+        Some(Stage::Before) => "as found",
+        Some(Stage::After) => "as left",
         None => NONE,
     };
-    let length = |value: f64| {
-        if value.is_finite() {
-            mm(value, 2)
-        } else {
-            NONE.to_owned()
-        }
-    };
     if let (Some(found), Some(poses_of)) = (&figures.poses, &figures.whole.poses) {
-        let distance = found.largest_distance_accuracy;
+        let or_none = |of: Option<UncertainFigure>, show| {
+            of.map_or_else(|| NONE.to_owned(), |one| figure(one, show))
+        };
         poses.push([
             run.name.clone(),
             stage.to_owned(),
@@ -168,17 +177,18 @@ fn add(run: &Run, figures: &Figures, poses: &mut Table, paths: &mut Table) {
             figure(found.largest_accuracy, fixed),
             figure(found.mean_repeatability, fixed),
             figure(found.largest_repeatability, fixed),
-            distance.map_or_else(|| NONE.to_owned(), |one| figure(one, signed)),
+            or_none(found.largest_distance_accuracy, signed),
+            or_none(found.largest_drift, fixed),
         ]);
     }
-    for path in &figures.whole.paths {
+    for (path, found) in figures.whole.paths.iter().zip(&figures.paths) {
         paths.push([
             run.name.clone(),
             stage.to_owned(),
             path.target.clone(),
             path.cycles.to_string(),
-            length(path.accuracy_m),
-            length(path.repeatability_m),
+            figure(found.largest_accuracy, fixed),
+            figure(found.largest_repeatability, fixed),
         ]);
     }
 }

@@ -95,8 +95,7 @@ pub fn missing_details(details: &CertificateDetails, robot: &Robot) -> Vec<Strin
             _ => {}
         }
     }
-    let country = details.country.trim();
-    if country.len() != 2 || !country.bytes().all(|letter| letter.is_ascii_uppercase()) {
+    if !details.has_country() {
         missing.push("Country of the laboratory, two capital letters".to_owned());
     }
     if details.temperature_c.is_none() || details.temperature_sd_k.is_none() {
@@ -116,7 +115,7 @@ pub fn overdue_when_used(session: &Session, now: Timestamp) -> Vec<String> {
 
 /// When the instruments were last used.
 fn when_used(details: &CertificateDetails, now: Timestamp) -> Timestamp {
-    day(details.measured_to.trim()).unwrap_or(now)
+    day(&details.measured_to).unwrap_or(now)
 }
 
 /// Instruments whose calibration was due before a time, one sentence each.
@@ -190,8 +189,9 @@ pub fn conditions(session: &Session, now: Timestamp, section: &mut Section) {
             add(
                 "Reference temperature",
                 format!(
-                    "The values hold at the temperature of measuring. At 20 degrees Celsius (ISO 1) distances are shorter by {}{sd} mm per metre.",
-                    significant(1e3 * shrinkage, 3)
+                    "The values hold at the temperature of measuring. At 20 degrees Celsius (ISO 1) distances are {} by {}{sd} mm per metre.",
+                    if shrinkage < 0.0 { "longer" } else { "shorter" },
+                    significant(1e3 * shrinkage.abs(), 3)
                 ),
             );
         }

@@ -72,11 +72,7 @@ fn whole_pages<'a>(document: &Document, faces: &'a Faces) -> Layout<'a> {
     let count = layout.pages.len();
     for (k, page) in layout.pages.iter_mut().enumerate() {
         page.shapes.push(marking(document.marking));
-        let name = match document.reference.as_str() {
-            "" => &document.title,
-            reference => reference,
-        };
-        page.shapes.extend(footer(name, k + 1, count));
+        page.shapes.extend(footer(document.foot(), k + 1, count));
     }
     layout
 }

@@ -193,6 +193,13 @@ fn a_certificate_states_what_it_was_given_and_what_is_missing() {
     of(&details(&folder, &["country", "number"]), &dcc)
         .refused(&["Number of the certificate and Country of the laboratory"]);
     of(&details(&folder, &[]), &dcc).succeeded();
+    let page = include_str!("../../../../docs/CERTIFICATE.md");
+    let example = page
+        .split("```")
+        .nth(1)
+        .and_then(|code| code.strip_prefix("toml"));
+    let example = folder.write("example.toml", example.expect("an example"));
+    of(&example, &dcc).succeeded();
     let wrong = folder.write(
         "wrong.toml",
         "format = \"tautline-certificate-details\"\nversion = 1\nnumer = \"1\"\n",
