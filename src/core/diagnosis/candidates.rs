@@ -14,7 +14,7 @@ use super::relations::{
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search, amplitude_of};
 
-/// How the effect of a generator depends on the pose.
+/// Dependence of the effect of a generator on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PoseWeights {
     /// The same at all poses.
@@ -70,7 +70,7 @@ impl Candidate {
         self.effect().pose_parameter().is_some()
     }
 
-    /// Whether each of several cables has its own value.
+    /// Whether this is an effect on several cables with one value for each.
     pub fn is_family(&self) -> bool {
         self.cause.instances.len() > 1
     }
@@ -84,7 +84,7 @@ impl Candidate {
             && bound.effect.search() == Search::Direct
     }
 
-    /// Whether all cables share one value.
+    /// Whether this is an effect on all cables with one common value.
     fn is_common(&self) -> bool {
         self.effect().scope() == Scope::CableOrAll && !self.cause.instances[0].targeted
     }

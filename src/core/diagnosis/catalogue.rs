@@ -443,7 +443,7 @@ impl Builder<'_> {
         });
     }
 
-    /// Whether the model has a cause on each of its cables already, at the same pose or with the same period.
+    /// Whether the model already has the effect on all cables of a cause, at the same pose or with the same period.
     fn is_in_model(&self, cause: &Cause, place: f64) -> bool {
         let model = &self.fit.problem.free_effects[..self.fit.model_effects()];
         let is_at_place =

@@ -1,4 +1,4 @@
-//! Posterior probabilities of the causes of the most probable set, and of what replaces them in other sets.
+//! Posterior probabilities of the causes of the most probable set, and of their replacements in other sets.
 
 use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBABILITY};
 use super::calibration::{NAMING_PROBABILITY, stated_probability};
@@ -11,9 +11,9 @@ use crate::effect::Search;
 #[derive(Debug, Clone)]
 pub(super) struct CausePosterior {
     pub probability: f64,
-    /// What replaces it in the other sets, most probable first.
+    /// Replacements of the cause in the other sets, most probable first.
     pub alternatives: Vec<PossibleCause>,
-    /// Probability of the cause and of all that replaces it in the other sets, listed or not.
+    /// Probability of the cause and of all its replacements in the other sets, listed or not.
     pub with_replacements: f64,
 }
 

@@ -283,8 +283,8 @@ fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
     directions.transpose() * c.transpose()
 }
 
-/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations, which have priors of
-/// their own there.
+/// Whether a parameter is in the model whatever the set of causes: not one of a candidate cause or of a deviation, which have
+/// priors of their own there.
 pub(super) fn is_fixed(id: &ParameterId, model_effects: usize) -> bool {
     match id {
         ParameterId::Effect { effect, .. } => *effect < model_effects,

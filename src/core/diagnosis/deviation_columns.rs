@@ -129,7 +129,7 @@ fn is_prior_of_deviation(kind: RowKind, linear: &Linearisation) -> bool {
     }
 }
 
-/// What the estimated deviations of a fit change in its rows, to first order.
+/// Change of the rows of a fit by its estimated deviations, to first order.
 pub(super) fn explained_by_deviations(
     problem: &Problem<'_>,
     solution: &Solution,

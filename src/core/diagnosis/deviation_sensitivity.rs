@@ -1,4 +1,4 @@
-//! How much a deviation of each part changes the readings: whether a tolerance matters on a robot.
+//! Sensitivities of the readings to the deviations of the parts: a tolerance matters only where they are large.
 
 use super::budget::MOST_DIAGNOSED_ROWS;
 use super::deviation_columns::linearised;

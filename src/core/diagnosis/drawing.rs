@@ -15,12 +15,12 @@ use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
 use crate::statistics::{chi_square_survival, log_sum};
 
-/// How the places of the pulleys differ from the drawing.
+/// Pattern of displacements of the pulleys from the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrawingPattern {
     /// The pulleys are farther apart along an axis (0, 1, 2 for x, y, z); the size is that of the change of their extent (m).
     Extent(usize),
-    /// All are turned about an axis (rad).
+    /// All pulleys are turned about an axis (rad).
     Turn(usize),
     /// One pulley is elsewhere (m).
     Pulley(usize),
@@ -227,13 +227,13 @@ impl Displacements {
     }
 }
 
-/// How likely readings make a wrong drawing.
+/// Evidence that the readings contradict the drawing.
 pub(super) struct DrawingEvidence {
     /// Log odds of a wrong drawing over the stated one, as far as the model is linear in the places.
     pub log_odds: f64,
-    /// What makes the log evidence of a wrong drawing of half of chi-square at the fit with wider places.
+    /// Sum of all terms of the log evidence of a wrong drawing except half of chi-square, at the fit with wider places.
     pub of_wider: f64,
-    /// What makes the log evidence of a right drawing of half of chi-square at a fit with the places as stated.
+    /// Sum of all terms of the log evidence of a right drawing except half of chi-square, at a fit with the places as stated.
     pub of_stated: f64,
 }
 

@@ -29,11 +29,11 @@ pub(super) struct Exchange {
     tried: Vec<(BoundEffect, f64)>,
 }
 
-/// What the readings say about the channels.
+/// Assignment of channels to cables according to the readings.
 pub(super) enum Channels {
-    /// They are as described.
+    /// As described.
     AsDescribed,
-    /// Some are exchanged.
+    /// Exchanged between cables.
     Exchanged(Box<Exchange>),
     /// The pulleys of two cables are at each other's places, which explains the readings as well.
     PulleysExchanged(Box<Solution>),

@@ -18,13 +18,13 @@ use super::report::Cause;
 use super::search::{CandidateSet, EvaluatedSet, Search, set_of, settled};
 use crate::statistics::log_sum;
 
-/// How well the data show one cause; for events and waves at the pose or period that shows them best.
+/// Visibility of one cause in the data; for events and waves at the pose or period where it is best.
 #[derive(Debug, Clone)]
 pub(super) struct Visibility {
     pub cause: Cause,
-    /// Whether any reading depends on it.
+    /// Whether any reading depends on the cause.
     pub is_read: bool,
-    /// Standard deviation of its first parameter with all else estimated; `None` if the data do not determine it.
+    /// Standard deviation of the first parameter with all others estimated; `None` if the data do not determine it.
     pub sd: Option<f64>,
 }
 
@@ -231,7 +231,7 @@ fn ranked(
     ranking
 }
 
-/// How well the data show each single cause.
+/// Visibility of each single cause in the data.
 pub(super) fn visibility(gram: &Gram<'_>) -> Vec<Visibility> {
     let mut found: Vec<Visibility> = Vec::new();
     for (candidate, own) in gram.candidates.iter().zip(&gram.scores) {

@@ -10,7 +10,7 @@ use super::separation::separation;
 use crate::estimation::{EstimationError, ParameterId};
 use crate::statistics::chi_square_survival;
 
-/// What a finding needs to know of one cause of a fit.
+/// Data for the finding of one cause of a fit.
 pub(super) struct FindingBuilder<'f, 'a> {
     /// The fit of all confirmed causes.
     pub fit: &'f Fit<'a>,

@@ -121,7 +121,7 @@ impl<'a> Fit<'a> {
         Self::new(&base, &fit.causes).map(Some)
     }
 
-    /// Whether the estimated deviations of all parts are within so many standard deviations of their priors.
+    /// Whether all estimated deviations of the parts are within `most` standard deviations of their priors.
     fn has_deviations_within(&self, most: f64) -> bool {
         let held = self.problem.held_deviations.len();
         let found = &self.solution.globals.deviations[held..];

@@ -19,8 +19,9 @@ pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
     robot
 }
 
-/// What a diagnosis takes of a dataset: channels as the model states them, rows of one standstill averaged, recordings in motion and
-/// very many poses thinned, and the tolerances that it assumes; with the largest number of averaged rows of a standstill.
+/// The dataset as a diagnosis uses it: channels as the model states them, rows of one standstill averaged, recordings in motion
+/// and very many poses thinned, and tolerances assumed where none are stated. Also returns the largest number of rows averaged
+/// at a standstill.
 pub(super) fn independent_dataset(dataset: &Dataset) -> Result<(Dataset, usize), EstimationError> {
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);

@@ -35,7 +35,7 @@ pub(super) struct Hyperparameters {
 }
 
 impl Hyperparameters {
-    /// Whether two points differ enough to give different probabilities.
+    /// Whether two points are so far apart that their probabilities differ notably.
     pub fn is_far_from(&self, other: &Self) -> bool {
         let far = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.3;
         self.amplitude != other.amplitude
@@ -43,7 +43,7 @@ impl Hyperparameters {
             || self.variance.iter().zip(&other.variance).any(far)
     }
 
-    /// Whether noise or background is much larger than described, so that much is unexplained.
+    /// Whether a variance exceeds twice the described one, or the background is large: much of the readings is unexplained.
     pub fn is_noisy(&self) -> bool {
         self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
     }
@@ -74,13 +74,13 @@ pub(super) struct Estimate<'l> {
     pub base: ReducedProblem<'l>,
 }
 
-/// Where the estimation goes next.
+/// Next points of the iteration.
 struct Step {
     /// With all amplitudes that raise the density changed.
     all: Hyperparameters,
     /// With only that of the largest gain changed.
     strongest: Hyperparameters,
-    /// Whether it changes so little that the estimation has converged.
+    /// Whether the change is so small that the iteration has converged.
     is_small: bool,
 }
 

@@ -100,7 +100,7 @@ pub struct NoiseStatement {
     pub p_value: f64,
 }
 
-/// Whether a model explains the data.
+/// Goodness of fit of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adequacy {
     /// Whether the global test accepts the model.
@@ -159,7 +159,7 @@ impl Cause {
         self.effect().on_each_cable().filter(|_| is_each)
     }
 
-    /// What is wrong, and what to do about it in the workshop.
+    /// Sentence on the cause, and advice for the workshop.
     pub(super) fn in_words(&self, robot: &Robot) -> [String; 2] {
         if let Some(texts) = self.on_each_cable(robot) {
             return [texts.cause, texts.workshop].map(|text| self.instances[0].say(robot, text));
@@ -210,13 +210,13 @@ impl ErrorForm {
 pub struct UnmodelledError {
     /// The readings; no cable if they belong to none, or if those of all cables have the error alike.
     pub readings: ReadingId,
-    /// On what the error depends, and how.
+    /// Form of the error, with the variable that it depends on.
     pub form: ErrorForm,
     /// Root mean square of the error over the readings (m, N or rad); `None` if it was tested for but not estimated.
     pub rms: Option<f64>,
 }
 
-/// What a finding or one of its alternatives takes to be present.
+/// Subject of a finding or of one of its alternatives.
 #[derive(Debug, Clone)]
 pub enum Subject {
     /// An effect of the catalogue on its targets.
@@ -249,12 +249,12 @@ impl Subject {
     }
 }
 
-/// What may be present instead of the subject of a finding.
+/// Alternative to the subject of a finding.
 #[derive(Debug, Clone)]
 pub struct Alternative {
-    /// What is present.
+    /// Subject of the alternative.
     pub subject: Subject,
-    /// Its posterior probability.
+    /// Posterior probability of the subject.
     pub probability: f64,
 }
 
@@ -276,13 +276,13 @@ pub struct CauseSet {
     pub probability: f64,
 }
 
-/// How certain the name of a finding is.
+/// Certainty about the cause of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// One cause stands out.
     Named,
-    /// The data cannot tell it from its alternatives.
+    /// The data cannot tell the cause from its alternatives.
     Ambiguous,
     /// No effect of the catalogue explains the error.
     Unknown,
@@ -384,28 +384,28 @@ pub struct Separation {
 /// A finding of the diagnosis.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// What was found: a cause with its values in the final model, or an error without one.
+    /// The cause with its values in the final model, or an error without a known cause.
     pub subject: Subject,
     /// Posterior probability of the subject. It and its alternatives exclude each other.
     pub probability: f64,
     /// Description for the user.
     pub sentence: String,
-    /// What to do in the workshop.
+    /// Advice for the workshop.
     pub advice: String,
-    /// What the data cannot tell from it, most probable first.
+    /// Alternatives that the data cannot exclude, most probable first.
     pub alternatives: Vec<Alternative>,
-    /// Its parameters.
+    /// Parameters of the cause.
     pub parameters: Vec<FoundParameter>,
     /// The statistics behind the verdict.
     pub evidence: Evidence,
     /// Gain on held-out poses over the findings before it.
     pub gain: Gain,
-    /// What would tell it from its alternatives.
+    /// Measurements and checks that would tell the subject from its alternatives.
     pub separation: Option<Separation>,
 }
 
 impl Finding {
-    /// How certain the name is.
+    /// Certainty about the cause.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match &self.subject {
@@ -428,8 +428,7 @@ impl Finding {
         subjects.filter_map(Subject::cause)
     }
 
-    /// Whether several causes are possible, which exclude each other. An ambiguous cause without alternatives is probable
-    /// alone.
+    /// Whether the cause is one of several that exclude each other. An ambiguous cause without alternatives is merely probable.
     #[must_use]
     pub fn is_list(&self) -> bool {
         self.verdict() == Verdict::Ambiguous && !self.alternatives.is_empty()
@@ -451,7 +450,7 @@ pub struct SlackCable {
 }
 
 impl SlackCable {
-    /// Whether it is likelier than other causes, so that its readings are left out.
+    /// Whether a slack cable is likelier than other causes, so that its readings are left out.
     #[must_use]
     pub fn is_left_out(&self) -> bool {
         self.log_odds >= 0.0
@@ -474,7 +473,7 @@ pub struct Invisible {
 pub struct ToleranceFactor {
     /// Posterior mean of the factor; 0 for exact parts.
     pub factor: f64,
-    /// Whether the robot states its tolerances; otherwise those of the catalogue are meant.
+    /// Whether the factor refers to tolerances stated for the robot; otherwise to those of the catalogue.
     #[serde(rename = "stated")]
     pub are_stated: bool,
 }
@@ -511,15 +510,15 @@ impl UnseenFault {
 /// Result of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// Whether the model as supplied explains the data.
+    /// Goodness of fit of the model as supplied.
     pub base: Adequacy,
-    /// Whether the extended model explains the data; equal to `base` without findings.
+    /// Goodness of fit of the extended model; equal to `base` without findings.
     pub extended: Adequacy,
     /// Dependences of the residuals of the model as supplied, strongest first.
     pub discrepancies: Vec<Discrepancy>,
     /// Dependences that remain with the extended model.
     pub remaining: Vec<Discrepancy>,
-    /// How the pulleys are placed otherwise than the description states, if they are.
+    /// Displacement of the pulleys from the drawing, if there is one.
     pub drawing: Option<WrongDrawing>,
     /// A cable that was slack at some poses, or may have been; if that is likelier than not, its readings are left out there.
     pub slack: Option<SlackCable>,
@@ -546,6 +545,6 @@ pub struct Diagnosis {
     pub base_solution: Solution,
     /// Solution of the extended model, with all of its effects.
     pub extended_solution: Solution,
-    /// Whether the observer cancelled; the findings until then are reported.
+    /// Whether the observer cancelled the diagnosis; the findings until then are reported.
     pub cancelled: bool,
 }

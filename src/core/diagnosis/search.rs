@@ -185,7 +185,7 @@ impl<'g, 'l> Search<'g, 'l> {
         self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
     }
 
-    /// What candidates that a set does not exclude would add to its log posterior, if at least `least`: the largest first.
+    /// Gains in log posterior by adding each candidate that the set does not exclude; those of at least `least`, largest first.
     fn additions(
         &self,
         system: &System,

@@ -18,7 +18,7 @@ struct ComparedSet {
     causes: Vec<Cause>,
     /// Log evidence and prior from the linear comparison.
     linear: f64,
-    /// What the full fit adds to it; minus infinity if the fit is impossible, `None` if there was none.
+    /// Correction of `linear` by the full fit; minus infinity if the fit is impossible, `None` without a full fit.
     change: Option<f64>,
 }
 

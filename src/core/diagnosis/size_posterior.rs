@@ -1,4 +1,4 @@
-//! What the readings say of the size of a fault.
+//! Posterior distribution of the size of a fault.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -44,9 +44,9 @@ struct TooLong {
     relief: f64,
 }
 
-/// What a slack cable has to be better than.
+/// Explanation without a slack cable, which a slack cable has to surpass.
 pub(super) struct Rival {
-    /// Log evidence below which nothing is said.
+    /// Log evidence that a slack cable must exceed to be reported.
     pub least: f64,
     /// Chi-square that readings without misfit leave, as far as it is known.
     pub chi2: f64,

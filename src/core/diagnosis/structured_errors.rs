@@ -285,7 +285,7 @@ impl<'l> ErrorSearch<'l> {
     }
 }
 
-/// Whether the robot has only one reading of the kind at a pose.
+/// Whether the reading belongs to the robot or an instrument rather than to one of its cables.
 fn is_single(id: &ReadingId) -> bool {
     !matches!(
         id.quantity,

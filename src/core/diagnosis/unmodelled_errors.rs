@@ -245,7 +245,7 @@ impl WeighedError {
     }
 }
 
-/// What to do about an error that no effect explains.
+/// Advice for an error that no effect explains.
 const ADVICE: &str = "Measure more poses between those where this error is large and small.";
 
 /// Names of the components of a reading.

@@ -61,7 +61,7 @@ pub struct ExpectedFault {
     pub detection: f64,
 }
 
-/// How well a fault can be told from another.
+/// Expected separability of a fault from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedPair {
     /// Expected log Bayes factor of the fault that is present over the other one.
@@ -79,7 +79,7 @@ pub struct Isolability {
 }
 
 impl Isolability {
-    /// How well the fault with index `present` can be told from that with index `other`.
+    /// Expected separability of the fault with index `present` from that with index `other`.
     #[must_use]
     pub fn pair(&self, present: usize, other: usize) -> ExpectedPair {
         self.pairs[present * self.faults.len() + other]
@@ -118,7 +118,7 @@ pub fn isolability(dataset: &Dataset) -> Result<Isolability, EstimationError> {
     Ok(ExpectedScores::new(&mut gram, candidates).isolability())
 }
 
-/// How well the poses of a dataset show a fault.
+/// Visibility of a fault at the poses of a dataset.
 #[derive(Debug, Clone)]
 pub struct ShownFault {
     /// Effect and target, at typical size.
@@ -129,7 +129,7 @@ pub struct ShownFault {
     pub typical_range: [f64; 2],
 }
 
-/// How well the poses of a dataset show each fault. As for [`isolability`], the values of the readings do not matter.
+/// Visibility of each fault at the poses of a dataset. As for [`isolability`], the values of the readings do not matter.
 ///
 /// # Errors
 /// If the readings cannot be used with the robot.
@@ -385,13 +385,13 @@ pub(super) fn log_naming_odds() -> f64 {
     (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
 }
 
-/// Whether a cause with these log posterior odds against no cause is named or listed.
+/// Whether a cause with these log posterior odds against no cause becomes a finding, named or in a list of alternatives.
 #[must_use]
 pub fn is_seen(log_odds: f64) -> bool {
     log_odds >= log_naming_odds()
 }
 
-/// Whether something is detected, but `other` is not ruled out against the fault that is `present`. Both are log
+/// Whether a fault is detected but `other` is not ruled out against the fault that is `present`. Both arguments are log
 /// posterior odds against no cause.
 #[must_use]
 pub fn is_confused(present: f64, other: f64) -> bool {

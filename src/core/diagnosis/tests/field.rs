@@ -1,4 +1,4 @@
-//! What goes wrong in the field: slack cables, wrong drawings, one event on all cables, several exchanges.
+//! Faults of robots in use: slack cables, wrong drawings, one event on all cables, several exchanges.
 
 use super::super::drawing::wrong_drawing;
 use super::super::{DrawingPattern, Verdict};
