@@ -11,7 +11,7 @@ use crate::robot::Robot;
 pub struct FoundEffect<'a> {
     robot: &'a Robot,
     bound: &'a BoundEffect,
-    /// Whether sentences keep their fields, with the names of parameters.
+    /// Whether sentences are templates: they keep their fields, with the names of parameters.
     as_template: bool,
 }
 
@@ -275,17 +275,17 @@ fn is_field(field: &str, parameters: &[&str]) -> bool {
 }
 
 impl BoundEffect {
-    /// What is wrong, as a sentence for a technician.
+    /// Sentence on the fault for a technician.
     pub fn cause(&self, robot: &Robot) -> String {
         (self.effect.cause)(&FoundEffect::new(robot, self))
     }
 
-    /// What to do about it in the workshop.
+    /// Advice for the workshop.
     pub fn workshop(&self, robot: &Robot) -> String {
         (self.effect.workshop)(&FoundEffect::new(robot, self))
     }
 
-    /// A sentence about it with its fields filled in.
+    /// A sentence about the effect with its fields filled in.
     pub(crate) fn say(&self, robot: &Robot, text: &str) -> String {
         FoundEffect::new(robot, self).say(text)
     }

@@ -14,7 +14,7 @@ use crate::robot::Robot;
 pub struct NotAsText {
     /// The effect.
     pub effect: &'static str,
-    /// What it does that formulas cannot.
+    /// Property of the effect that formulas cannot express, as a verb phrase.
     pub reason: &'static str,
 }
 

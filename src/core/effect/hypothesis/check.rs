@@ -1,5 +1,5 @@
-//! What formulas must satisfy, tried at made-up readings: neutral values change nothing, every parameter has an effect, and
-//! waves are waves.
+//! Checks of formulas at made-up readings: neutral values change nothing, every parameter has an effect, and waves are
+//! periodic.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

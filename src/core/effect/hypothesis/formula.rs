@@ -22,24 +22,24 @@ const MAX_OPERATIONS: usize = 512;
 pub(super) struct Variable {
     pub name: String,
     pub unit: Unit,
-    /// Whether it is the label of a pose.
+    /// Whether the parameter is the label of a pose.
     pub is_pose: bool,
 }
 
-/// What the names in a formula mean.
+/// The names that a formula may use.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Names<'n> {
     pub parameters: &'n [Variable],
     /// The quantity that the formula changes; by its name it has the value that earlier effects gave it.
     pub own: &'n str,
     pub own_dimension: Dimension,
-    /// Whether the quantity is of a cable.
+    /// Whether the changed quantity belongs to a cable.
     pub of_cable: bool,
     /// Whether the hypothesis concerns pairs of cables.
     pub of_pair: bool,
 }
 
-/// Which other cable a value is taken from.
+/// The other cable whose value is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Selector {
     Next,
@@ -50,7 +50,7 @@ enum Selector {
     Index(usize),
 }
 
-/// How a part of a formula depends on the quantity that the formula changes.
+/// Dependence of a subexpression on the quantity that the formula changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Dependence {
     None,
@@ -82,14 +82,14 @@ pub(super) struct Program {
     operations: Vec<Operation>,
     /// Whether the formula is the changed quantity times a factor.
     pub is_proportional: bool,
-    /// Whether it uses a quantity that is zero at rest.
+    /// Whether the formula uses a quantity that is zero at rest.
     pub uses_motion: bool,
     /// Parameters that select the first pose, and the only pose.
     pub from_pose: Option<usize>,
     pub at_pose: Option<usize>,
-    /// Parameters that it uses.
+    /// Parameters that the formula uses.
     pub parameters: Vec<usize>,
-    /// Largest number of a cable that it names.
+    /// Largest number of a cable in the formula.
     pub highest_cable: usize,
 }
 
@@ -317,7 +317,7 @@ impl<'t> Compiler<'t> {
         Err(self.fault(format!("found {found}, expected \"{expected}\"")))
     }
 
-    /// What comes next, for messages.
+    /// The next character as a message quotes it.
     fn found(&mut self) -> String {
         match self.peek() {
             Some(found) => format!("\"{}\"", found.escape_debug()),
@@ -499,7 +499,7 @@ impl<'t> Compiler<'t> {
         }
     }
 
-    /// What to say about a name that has no meaning here.
+    /// Message about a name that has no meaning in this formula.
     fn unknown(&self, name: &str) -> String {
         if target(name).is_some() {
             return format!("found \"{name}\", which only its own formula can use");

@@ -18,7 +18,7 @@ const TARGET: usize = 2;
 /// Random cells that are emptied together.
 const SCATTERED: usize = 10;
 
-/// What is read once per cable or axis of an instrument.
+/// Kinds of readings, taken once per cable or per axis of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Quantity {
     Length,
