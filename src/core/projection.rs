@@ -34,7 +34,7 @@ const PERFECT_SENSOR: ForceSensor = ForceSensor {
     tension_sd_n: 1.0,
 };
 
-/// What a model expects of its winches at poses of its workspace.
+/// Lengths that a model predicts for its winches at poses of its workspace.
 #[derive(Debug, Clone)]
 pub struct ExpectedLengths {
     measurements: Measurements,

@@ -59,7 +59,7 @@ pub enum Tolerance<'a> {
     },
 }
 
-/// What is expected after the last session.
+/// Forecast of the time until the robot is out of tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forecast {
     /// Probability of being out of tolerance already, because the values of the last session are uncertain.
@@ -70,8 +70,7 @@ pub struct Forecast {
     /// Days after the last session at which the probability of being out of tolerance reaches 5 %; `None` if it does not within ten
     /// years.
     pub due_days: Option<f64>,
-    /// 95 % interval of these days: they depend on rates of drifts and jumps that are not known exactly. Without an upper end if it
-    /// is beyond ten years.
+    /// 95 % interval of `due_days`, from the uncertain rates of drifts and jumps. `None` for an end beyond ten years.
     pub interval_days: [Option<f64>; 2],
 }
 
@@ -154,7 +153,7 @@ fn jumps_of_pulleys(history: &History) -> f64 {
     jumps.map(|jump| jump.probability).sum()
 }
 
-/// How errors and displacements show in what is tolerated.
+/// Linear map from errors of the values and displacements of the pulleys to the error that has a tolerance.
 struct ErrorOfValues {
     limit_m: f64,
     /// Number of adjacent coordinates of which the length counts.
@@ -276,16 +275,16 @@ fn normal(count: usize, rng: &mut impl Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(rng))
 }
 
-/// A jump at some day.
+/// A jump in the future.
 struct FutureJump {
     days: f64,
-    /// What it adds to the error.
+    /// Change of the error by the jump.
     by: DVector<f64>,
 }
 
-/// Rates of drifts and jumps, and what may happen with them.
+/// Drift and possible future jumps for one draw of their rates.
 struct Rates {
-    /// What drifts add to the error per day.
+    /// Change of the error per day by drifts.
     drift: DVector<f64>,
     /// Errors of the values, one column for each future.
     errors: DMatrix<f64>,

@@ -21,7 +21,7 @@ const SEED: u64 = 36;
 const MOVES_M: [f64; 2] = [1e-6, 1.0];
 const EXACTNESS: f64 = 0.02;
 
-/// What a check found since the baseline.
+/// Result of a check of the robot: changes since the baseline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HealthCheck {
     /// Both sessions with the changes between them; those of one part are the same as in any history.

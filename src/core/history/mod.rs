@@ -48,8 +48,7 @@ pub struct DatedRun<'a> {
     pub run: Identified<'a>,
     /// When it was measured, in days from any origin.
     pub days: f64,
-    /// Whether something happened to the robot after the run before this one, so that changes are likely: an adjustment, a
-    /// repair, a crash.
+    /// Whether an event between the previous run and this one makes changes likely: an adjustment, a repair, a crash.
     pub follows_event: bool,
 }
 
@@ -110,7 +109,8 @@ pub struct Drift {
     pub rate: DVector<f64>,
     /// Covariance of the rate.
     pub covariance: DMatrix<f64>,
-    /// Whether the sessions speak for it. A drift that they can neither show nor rule out remains possible.
+    /// Whether the data of the sessions make the drift probable. A drift that they can neither show nor rule out remains
+    /// possible.
     pub is_evident: bool,
 }
 
@@ -157,7 +157,7 @@ pub enum HistoryError {
     OtherRobot {
         /// Number of the session, from 1.
         session: usize,
-        /// How it differs from the first one.
+        /// Difference from the robot of the first session.
         error: ComparisonError,
     },
     /// The data of a session do not determine the robot.

@@ -26,16 +26,16 @@ struct StateNumber {
     deviation: Option<(DeviationKey, usize)>,
 }
 
-/// Which parts may change.
+/// Parts that may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Followed {
     /// Pulleys, the target plane, and the effects in the models of the sessions.
     Model,
-    /// Also what deviates from the description within its tolerance.
+    /// Also the deviations of the parts within their tolerances.
     ModelAndDeviations,
 }
 
-/// Which numbers the state has.
+/// Components of the state.
 pub(super) struct State {
     pub parts: Vec<Part>,
     /// Typical size of a change of each part (m, or the unit of the effect).
@@ -233,7 +233,7 @@ impl State {
     }
 }
 
-/// What is known of an effect's parameter.
+/// Neutral value of a parameter of an effect, and its smallest and largest possible value.
 struct EffectNumber {
     neutral: f64,
     smallest: f64,

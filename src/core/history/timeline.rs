@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::state::{SessionInformation, State};
 
-/// How a change depends on time.
+/// Time dependence of a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Course {
     /// A jump after the session with this index.

@@ -403,7 +403,7 @@ mod tests {
         assert_eq!(error, Err(KinematicsError::SwivelZeroAlongAxis { cable }));
     }
 
-    /// What one cable with entry point 0 and axis +z says about an anchor.
+    /// Inverse kinematics of one cable with entry point 0 and axis +z.
     fn verdict(radius: f64, anchor: [f64; 3]) -> Result<Vec<CableState>, KinematicsError> {
         let cable = samples::cable("winch 3", Vec3::zeros(), Vec3::z(), radius, Vec3::zeros());
         let robot = samples::robot(&Coordinate::ALL, vec![cable]);

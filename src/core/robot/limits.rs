@@ -102,7 +102,7 @@ impl Robot {
         }
     }
 
-    /// Whether the cables of a robot have tensions that can be computed.
+    /// Whether the tensions of the cables can be computed: the mass and either all force sensors or tension limits are given.
     #[must_use]
     pub fn has_tensions(&self) -> bool {
         self.platform.mass_kg.is_some()

@@ -1,4 +1,4 @@
-//! What the measured poses tell about the goals.
+//! Assessment of the goals from the measured poses.
 
 use super::goal::Goal;
 use crate::diagnosis::{
@@ -19,7 +19,7 @@ pub struct PossibleFault {
     pub odds: f64,
 }
 
-/// What is known after some poses.
+/// Assessment of the measured poses.
 #[derive(Debug, Clone)]
 pub struct Assessment {
     /// Number of measured poses, the home pose not counted.
@@ -96,7 +96,8 @@ impl Assessment {
         }
     }
 
-    /// Whether channels are exchanged, so that sets of causes are about other readings than those of the dataset.
+    /// Whether channels are exchanged, so that the sets of causes refer to corrected readings rather than to those of the
+    /// dataset.
     pub(super) fn has_exchanged_channels(&self) -> bool {
         let causes = self.findings.iter().filter_map(Finding::cause);
         causes

@@ -66,38 +66,38 @@ pub struct SequentialOptions<'a> {
     pub plan: PlanOptions<'a>,
 }
 
-/// What to do next.
+/// Next step of a sequential design.
 #[derive(Debug, Clone)]
 pub enum NextStep {
     /// Measure this pose.
     Measure {
         /// Pose to command.
         pose: Pose,
-        /// Why this one.
+        /// Reason for the choice of the pose.
         reason: Reason,
     },
     /// All goals are reached.
     Reached,
-    /// No pose brings the goals closer that are not reached.
+    /// No pose brings the remaining goals closer.
     CannotGetCloser(Vec<Obstacle>),
     /// The largest number of poses is measured.
     AtLimit,
 }
 
-/// Why a pose was chosen.
+/// Reason why a pose was chosen.
 #[derive(Debug, Clone)]
 pub enum Reason {
-    /// It is one of the first poses, which determine the geometry.
+    /// One of the first poses, which determine the geometry.
     First,
-    /// It makes the entry point of this cable more accurate.
+    /// Makes the entry point of this cable more accurate.
     Narrows(usize),
-    /// It tells one set of causes from another.
+    /// Tells one set of causes from another.
     Separates(Vec<Cause>, Vec<Cause>),
-    /// It shows whether this fault is present.
+    /// Shows whether this fault is present.
     Tests(Cause),
 }
 
-/// What keeps a goal from being reached in this workspace with these instruments.
+/// Reason why a goal cannot be reached in this workspace with these instruments.
 #[derive(Debug, Clone)]
 pub enum Obstacle {
     /// However many poses are measured, the standard deviations stay above the limit.
@@ -118,9 +118,9 @@ pub enum Obstacle {
 /// A decision, and what it is based on.
 #[derive(Debug, Clone)]
 pub struct Decision {
-    /// What to do next.
+    /// Next step.
     pub step: NextStep,
-    /// What is known; `None` while the first poses are measured.
+    /// Assessment of the measured poses; `None` while the first poses are measured.
     pub assessment: Option<Assessment>,
 }
 
@@ -157,7 +157,7 @@ pub struct FaultOfInterest {
 }
 
 impl FaultOfInterest {
-    /// Whether an effect is this fault with at least the size of interest.
+    /// Whether an effect is this fault, of at least the size of interest.
     #[must_use]
     pub fn includes(&self, effect: &BoundEffect) -> bool {
         let own = &self.cause.instances[0];
@@ -283,8 +283,8 @@ impl<'a> SequentialDesign<'a> {
         })
     }
 
-    /// What each pose would add, and whether that is in addition to the measured ones: a large fault may keep the model without it
-    /// from any solution, and then the poses are valued as if nothing were measured.
+    /// Prospects of each pose, and whether they are in addition to the measured poses: with a large fault, the model without it
+    /// may have no solution; then the poses are valued as if nothing were measured.
     fn prospects(
         &self,
         measured: &Measurements,
@@ -491,7 +491,7 @@ fn named(assessment: &Assessment) -> Option<&Cause> {
     named.and_then(Finding::cause)
 }
 
-/// Whether even very many poses leave an accuracy out of reach.
+/// The obstacle if an accuracy is out of reach even with very many poses.
 fn accuracy_obstacle(limit_m: f64, of: &ExpectedInformation) -> Option<Obstacle> {
     let measured = of.of(0..of.poses.len()) - &of.common;
     let total = &of.common + measured * UNLIMITED;

@@ -107,7 +107,7 @@ impl Workspace {
         })
     }
 
-    /// Whether a pose is inside, up to a nanometre and a nanoradian.
+    /// Whether a pose is inside, to within 1e-9 m or rad.
     #[must_use]
     pub fn contains(&self, pose: &Pose) -> bool {
         let off = pose.difference(&self.centre);

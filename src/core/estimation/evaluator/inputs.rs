@@ -259,7 +259,7 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-/// What the ports are packed from.
+/// Inputs from which the ports are packed.
 #[derive(Clone, Copy)]
 struct Source<'s> {
     problem: &'s Problem<'s>,

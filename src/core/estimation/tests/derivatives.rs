@@ -13,7 +13,7 @@ const STEP: f64 = 1e-5;
 /// the differences, and far below what a wrong term would cause.
 const TOLERANCE: f64 = 1e-7;
 
-/// Where the equations of one row are evaluated.
+/// Point at which the equations of one row are evaluated.
 #[derive(Clone)]
 struct Point {
     globals: Globals,

@@ -26,7 +26,7 @@ const LEAST_PIVOT: f64 = 1e-6;
 pub struct FieldError {
     /// JSON pointer to the field, such as `/cables/3/pulley/radius_m`.
     pub pointer: String,
-    /// What was found and what was expected, one sentence.
+    /// What was found and what was expected, in one sentence.
     pub message: String,
 }
 
