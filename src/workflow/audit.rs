@@ -10,10 +10,10 @@ use crate::clock;
 use crate::planning::poses_in_words;
 use crate::wording::{PROGRAM, count, list};
 
-/// What a trail covers.
+/// Sentence on the records that a trail covers.
 const COVERS: &str = "Covered: the readings, measured and imported, the robot description, the tables of phases 1, 2 and 5, \
                       results, adjustments, verifications and the log. Not covered: plan, excluded poses, settings and names.";
-/// What a trail covers that no later version has saved.
+/// Sentence for a trail to which the present version has not added an entry yet.
 const COVERED_BEFORE: &str = "Covered: the readings as they were measured, adjustments, verifications and the log. Not covered, until \
                               this version saves the session: imported readings, the robot description, tables and results.";
 
@@ -39,7 +39,7 @@ pub fn seal(session: &mut Session, operator: &str) {
     session.seal(&author, clock::now());
 }
 
-/// What is wrong in the trail of a session that was opened: one sentence without full stop.
+/// Summary of the faults in the trail of an opened session: one sentence without full stop.
 #[must_use]
 pub fn notice(session: &Session) -> Option<String> {
     if session.trail().is_empty() {
@@ -84,9 +84,9 @@ pub struct AuditDocument {
     pub verdict: String,
     /// The entries, the oldest first.
     pub entries: Vec<AuditEntry>,
-    /// What is wrong.
+    /// Faults of the trail.
     pub faults: Vec<AuditFault>,
-    /// What the trail covers and what it does not, in one sentence.
+    /// Sentences on the records that the trail covers and on those that it does not.
     #[serde(default)]
     pub covers: String,
     /// Labels of the poses that are in no entry: those of earlier versions, and those that such a version imported.
@@ -109,15 +109,15 @@ pub struct AuditEntry {
     pub operator: String,
     /// Name and version of the program.
     pub program: String,
-    /// Whether the session had these records when its trail began.
+    /// Whether the entry records data that the session already had when its trail began.
     pub found: bool,
-    /// What it records, in words.
+    /// Recorded data, in words.
     pub what: String,
-    /// Its hash.
+    /// Hash of the entry.
     pub hash: String,
 }
 
-/// Something that is wrong in the trail.
+/// A fault of the trail.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct AuditFault {
     /// Number of the entry, from 1; null if no entry has that part.
@@ -264,7 +264,7 @@ fn part_is(part: TrailPart) -> String {
     }
 }
 
-/// What an entry records: `25 poses and the home pose, adjustment 1 (31 values) and 2 steps of the log`.
+/// Data that an entry records: `25 poses and the home pose, adjustment 1 (31 values) and 2 steps of the log`.
 fn what(session: &Session, entry: &TrailEntry) -> String {
     let parts = || entry.records.iter().map(|record| record.part);
     let mut words = Vec::new();

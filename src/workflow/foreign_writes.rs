@@ -62,7 +62,7 @@ pub fn end_run(
     Some(text)
 }
 
-/// What others changed while poses were measured that are used, one sentence each.
+/// Changes of controller values by others while poses were measured that are used, one sentence each.
 #[must_use]
 pub fn sentences(session: &Session) -> Vec<String> {
     let writes = session.foreign_writes();

@@ -105,7 +105,7 @@ pub struct ReplayedReading {
     pub identified_rms: f64,
     /// Error that noise alone leaves to a right model whose poses are fitted; null where the readings do not determine it.
     pub noise_rms: Option<f64>,
-    /// What the identified model has and the drawing lacks, with its part of the error, the largest first.
+    /// Effects that the identified model has and the drawing lacks, each with its part of the error, largest first.
     pub causes: Vec<ExplainedPart>,
 }
 
@@ -393,7 +393,7 @@ impl ReplayedReading {
         ]
     }
 
-    /// What explains the error of the drawing, in a sentence.
+    /// Explanation of the error of the drawing, in a sentence.
     #[must_use]
     pub fn explained(&self) -> String {
         let parts = self.causes.iter();
@@ -404,7 +404,7 @@ impl ReplayedReading {
 }
 
 impl ReplayDocument {
-    /// What the comparison says, in sentences.
+    /// Results of the comparison, in sentences.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let nearest = self.nearest.map(|nearest| {

@@ -21,7 +21,7 @@ pub struct DeviatingPart {
     pub effect: &'static Effect,
     /// Typical tolerance for the robot's class of machine (SI unit); `None` where the catalogue has none.
     pub typical: Option<f64>,
-    /// Where the typical tolerance comes from.
+    /// Source of the typical tolerance.
     pub source: Option<&'static str>,
     /// Display units per SI unit.
     pub per_si: f64,
@@ -79,7 +79,7 @@ pub fn class_in_words(robot: &Robot) -> &'static str {
     }
 }
 
-/// How much deviations of the parts change the readings of a robot.
+/// Changes of the readings of a robot by deviations of its parts.
 #[derive(Debug, Clone)]
 pub struct DeviationsInReadings {
     /// The poses of the readings: `41 measured poses`.

@@ -10,20 +10,20 @@ use crate::wording::count;
 /// A step of an adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Item {
-    /// The accuracy with the values that the controller has.
+    /// Measure the accuracy with the values that the controller has.
     MeasureBefore,
-    /// What would change in the controller.
+    /// Review the differences between the controller and the identified values.
     Review,
-    /// The values are written.
+    /// Write the values.
     Write,
-    /// The accuracy with the identified values.
+    /// Measure the accuracy with the identified values.
     MeasureAfter,
-    /// Somebody accepts the robot.
+    /// Accept the robot.
     Accept,
 }
 
 impl Item {
-    /// All, in their order.
+    /// All steps, in their order.
     pub const ALL: [Self; 5] = [
         Self::MeasureBefore,
         Self::Review,
@@ -32,7 +32,7 @@ impl Item {
         Self::Accept,
     ];
 
-    /// Its title.
+    /// Title of the step.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -45,29 +45,29 @@ impl Item {
     }
 }
 
-/// How far a step is.
+/// State of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CheckState {
-    /// Done, and good.
+    /// Done, with a good result.
     Done,
     /// To be done now.
     Next,
-    /// It needs one before it.
+    /// Not possible before an earlier step.
     Later,
-    /// It was not done, and those after it were.
+    /// Not done, although later steps were.
     LeftOut,
     /// Done, with a bad result.
     Bad,
 }
 
-/// A line with its result.
+/// A step with its state and result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
     /// The step.
     pub item: Item,
-    /// How far it is.
+    /// State of the step.
     pub state: CheckState,
-    /// Its result, in a few words.
+    /// Result of the step, in a few words.
     pub result: String,
 }
 

@@ -53,7 +53,7 @@ pub struct DifferenceRow {
     pub difference: Option<f64>,
     /// Standard deviation of the identified value, if it was estimated.
     pub sd: Option<f64>,
-    /// Whether it is written.
+    /// Whether the value is written.
     pub changes: bool,
 }
 

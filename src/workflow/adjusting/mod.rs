@@ -84,7 +84,7 @@ pub fn to_continue(session: &Session, stage: Stage) -> Option<&StoppedVerificati
     (!is_replaced && !is_other).then_some(last)
 }
 
-/// What a stopped verification has.
+/// Summary of a stopped verification, in two sentences.
 #[must_use]
 pub fn stopped_in_words(run: &StoppedVerification) -> String {
     let all: Vec<f64> = run.rows.iter().map(CheckRow::distance_m).collect();

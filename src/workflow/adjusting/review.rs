@@ -1,4 +1,4 @@
-//! What an operator reviews before values are written.
+//! Review of the values by the operator before they are written.
 
 use tautline_core::effect::EffectSetting;
 use tautline_link::ParameterInfo;
@@ -15,7 +15,7 @@ pub struct Review {
     pub lines: Vec<Difference>,
     /// Effects of the model for which the controller has no parameters.
     pub effects: Vec<EffectSetting>,
-    /// What the platform misses without them, if it does.
+    /// Doubt about the pose accuracy without these effects, if they displace the platform.
     pub unsupported: Option<Doubt>,
 }
 

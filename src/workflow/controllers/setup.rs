@@ -117,7 +117,7 @@ impl Source {
     }
 }
 
-/// How many times as long as an answer may take something can arrive late.
+/// Longest possible delay of a message over a lost connection, as a multiple of the timeout of a response.
 const LATE: f64 = 1.5;
 /// Seed of the deviations and the noise of a robot simulated from its description.
 const SEED: u64 = 1;
@@ -177,13 +177,13 @@ impl ConnectionSetup {
         self
     }
 
-    /// Whether the controller may ask who connects.
+    /// Whether the server of the controller may ask for a user name and a password or certificate.
     #[must_use]
     pub fn asks_who_connects(&self) -> bool {
         matches!(self.source, Source::OpcUa(..))
     }
 
-    /// The user at the server, whose password it needs.
+    /// The user at the server, whose password is required.
     #[must_use]
     pub fn account(&self) -> Option<Account> {
         match &self.source {
@@ -201,7 +201,7 @@ impl ConnectionSetup {
         }
     }
 
-    /// What the connection to a real controller lacks, a sentence each.
+    /// Warnings about the connection to a real controller, one sentence each.
     #[must_use]
     pub fn warnings(&self, protection: Option<&LinkProtection>) -> Vec<String> {
         let Some(mapping) = self.source.mapping() else {
@@ -231,7 +231,7 @@ impl ConnectionSetup {
         found.into_iter().flatten().chain(exposed).collect()
     }
 
-    /// Whether it is limited to real time.
+    /// Whether motion is limited to real time, as for a real controller.
     #[must_use]
     pub fn runs_in_real_time(&self) -> bool {
         self.kind == Kind::Real
@@ -243,7 +243,8 @@ impl ConnectionSetup {
         self.kind == Kind::Real
     }
 
-    /// Time after which nothing that was sent over a lost connection can still arrive (s): longer than an answer may take.
+    /// Time after which nothing that was sent over a lost connection can still arrive (s): longer than the timeout of a
+    /// response.
     #[must_use]
     pub fn late_s(&self) -> f64 {
         LATE * match &self.source {
@@ -253,13 +254,13 @@ impl ConnectionSetup {
         }
     }
 
-    /// Whether an external instrument observes the robot; otherwise poses are typed.
+    /// Whether an external instrument observes the robot; otherwise the user enters the poses.
     #[must_use]
     pub fn has_instrument(&self) -> bool {
         matches!(self.source, Source::Simulated(_))
     }
 
-    /// Whether the controller can correct an effect.
+    /// Whether the controller has parameters for an effect, so that it can correct for it.
     #[must_use]
     pub fn corrects(&self, setting: &EffectSetting) -> bool {
         let Source::Simulated(setup) = &self.source else {

@@ -39,7 +39,7 @@ impl UserKeys {
         self
     }
 
-    /// Where passwords are kept.
+    /// Store of the passwords.
     #[must_use]
     pub fn passwords(&self) -> &Arc<dyn PasswordStore> {
         &self.passwords

@@ -18,7 +18,7 @@ use super::document::{
 };
 use super::verdict::residual_ratio;
 
-/// What stands in place of an effect where none explains an error.
+/// Name in place of an effect where none explains an error.
 const UNKNOWN: &str = "unknown";
 /// Effect of a drawing that is wrong in machine-readable results.
 const DRAWING: &str = "drawing";

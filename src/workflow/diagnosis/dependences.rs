@@ -242,7 +242,7 @@ fn lines(
     }
 }
 
-/// What a cause explains of each reading, averaged over readings with about the same value of the variable.
+/// Contribution of a cause to each reading, averaged over readings with about the same value of the variable.
 pub(super) fn averaged(dependents: &[Dependent], event: Option<(usize, bool)>) -> Vec<f64> {
     let lines = lines(dependents, 1.0, event);
     let value = |one: &Dependent| {

@@ -24,7 +24,7 @@ pub struct Diagnosed {
     pub seconds: f64,
     /// Time limit (s).
     pub limit_s: f64,
-    /// Whether it ended because of the limit.
+    /// Whether the time limit ended the diagnosis.
     pub ended_at_limit: bool,
 }
 

@@ -18,7 +18,7 @@ pub struct DiagnosisDocument {
     /// A cable that was slack at some poses, or may have been.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack: Option<SlackDocument>,
-    /// How the pulleys are placed otherwise than robot.json states, if they are.
+    /// Displacement of the pulleys from robot.json, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawing: Option<DrawingDocument>,
     /// Test of the original model, all readings together.
@@ -41,7 +41,7 @@ pub struct DiagnosisDocument {
     pub groups: Vec<GroupTestDocument>,
     /// Tests of the extended model; it equals the original one if there are no findings.
     pub extended: ExtendedDocument,
-    /// What is left beside the causes; absent in old files.
+    /// Unexplained part of the residuals; absent in old files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<RemainderDocument>,
     /// Dependences that remain with the extended model.
@@ -118,7 +118,7 @@ pub struct GroupTestDocument {
 /// Tests of the extended model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ExtendedDocument {
-    /// Whether it explains the data.
+    /// Whether the extended model explains the data.
     pub adequate: bool,
     /// Test of all readings together.
     pub global_test: GlobalTestDocument,
@@ -126,16 +126,16 @@ pub struct ExtendedDocument {
     pub groups: Vec<GroupTestDocument>,
 }
 
-/// What is left beside the causes: no finding of its own.
+/// Part of the residuals that the causes do not explain, but which is not a finding of its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RemainderDocument {
     /// Root mean square of all residuals of the extended model over what noise alone gives; null without redundancy.
     pub rms_over_sd: Option<f64>,
-    /// Where it is, the strongest first.
+    /// Readings concerned, the strongest dependence first.
     pub readings: Vec<RemainingReadingDocument>,
 }
 
-/// Readings in which something is left.
+/// Readings whose residuals still depend on a variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RemainingReadingDocument {
     /// Kind of reading.
@@ -181,16 +181,16 @@ pub struct PointDocument {
 pub struct FindingDocument {
     /// Certainty of the cause.
     pub verdict: Verdict,
-    /// What was found.
+    /// Subject of the finding.
     #[serde(flatten)]
     pub subject: SubjectDocument,
     /// The cause as a sentence for a technician.
     pub cause: String,
-    /// What to do in the workshop.
+    /// Advice for the workshop.
     pub advice: String,
     /// Posterior probability of the cause; it and its alternatives are mutually exclusive.
     pub probability: f64,
-    /// Causes that the data cannot separate from it, the likeliest first.
+    /// Causes that the data cannot separate from this one, most probable first.
     pub alternatives: Vec<AlternativeDocument>,
     /// Parameters of the cause.
     pub parameters: Vec<ParameterDocument>,
@@ -198,11 +198,11 @@ pub struct FindingDocument {
     pub evidence: EvidenceDocument,
     /// Improvement at held-out poses, in addition to the findings before it.
     pub gain: GainDocument,
-    /// Further poses that would separate it from its alternatives, the most informative first.
+    /// Further poses that would separate the cause from its alternatives, the most informative first.
     pub separating_poses: Vec<PoseDocument>,
     /// Difference in chi-square expected between the two best causes once these poses are measured.
     pub separating_delta_chi2: Option<f64>,
-    /// Advice on how to separate it from its alternatives.
+    /// Advice on how to separate the cause from its alternatives.
     pub separating_advice: Option<String>,
 }
 

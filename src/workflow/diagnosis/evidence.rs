@@ -267,7 +267,7 @@ fn without_effects<'a>(
     (rest, at)
 }
 
-/// Whether two effects are one and the same of a solution.
+/// Whether two effects of a solution have the same identifier, cables and values.
 fn is_same(one: &BoundEffect, other: &BoundEffect) -> bool {
     one.effect.id() == other.effect.id() && one.cables == other.cables && one.values == other.values
 }

@@ -53,8 +53,8 @@ pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Sugges
     (!undone.is_empty()).then_some((corrected, undone))
 }
 
-/// Whether a diagnosis undoes a mistake. Steps of a few millimetres are causes that it finds itself, with their uncertainty; what
-/// follows from the mass of the platform only may be a wrong mass.
+/// Whether a diagnosis undoes a mistake. Not so steps of a few millimetres, which are causes that the diagnosis finds itself
+/// with their uncertainty, nor mistakes that follow only from the mass of the platform: the mass may be wrong.
 fn is_undone(one: &Suggestion) -> bool {
     !one.by_mass && !matches!(one.mistake, Mistake::EncoderStep | Mistake::ClockJump)
 }

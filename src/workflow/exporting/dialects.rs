@@ -47,7 +47,7 @@ pub struct WrittenValue {
     pub new: String,
     /// Standard deviation in the unit of the text, if it is known.
     pub sd: Option<f64>,
-    /// What the value follows from.
+    /// Origin of the value.
     pub reason: String,
 }
 
@@ -64,11 +64,11 @@ pub struct DialectText {
     pub after_m: f64,
     /// Standard deviation of the position of the model itself, if it was identified from measurements.
     pub model_sd_m: Option<f64>,
-    /// What the text cannot express, with its part of the error, the largest first.
+    /// Effects that the text cannot express, each with its part of the error, largest first.
     pub inexpressible: Vec<(String, f64)>,
     /// Effects of the model of which a text of geometry has only what they change at home.
     pub at_home_only: Vec<String>,
-    /// Whether the standard deviations of the model are valid, or too small, as it does not explain the readings.
+    /// Whether the standard deviations of the model are valid; they are too small if the model does not explain the readings.
     pub sd_holds: bool,
 }
 
@@ -234,7 +234,7 @@ impl<'a> Target<'a> {
         self.robot_of(&self.read.text_with(self.text, values, &exact))
     }
 
-    /// What a model expects, and the values near `start` with which the text errs least, with the error (m).
+    /// The lengths predicted by a model, the values near `start` for which the text has the smallest error, and that error (m).
     fn best(
         &self,
         model: &Robot,

@@ -9,7 +9,7 @@ use crate::diagnosis::{GainDocument, ParameterDocument};
 use crate::wording::list;
 use crate::wording::units::with_sd;
 
-/// What unexplained errors look like.
+/// Formulas that describe unexplained errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FormulasDocument {
     /// The errors that no cause explains, as sentences; empty if there are none.

@@ -13,7 +13,7 @@ const LENGTH_M: [f64; 2] = [1e-4, 1e-2];
 const TENSION_N: [f64; 2] = [0.3, 30.0];
 /// Periods of a motor revolution that are tried.
 const PERIODS: [usize; 6] = [1, 2, 3, 4, 6, 8];
-/// How identifiers of formulas begin.
+/// Prefix of the identifiers of formulas.
 pub const PATTERN: &str = "pattern_";
 
 /// A kind of reading whose error a formula may describe.
@@ -39,7 +39,7 @@ impl Reading {
         }
     }
 
-    /// What a hypothesis changes, and its unit.
+    /// Quantity that a formula changes, and its unit.
     fn target(self) -> (&'static str, &'static str) {
         match self {
             Self::Length => ("paid", "m"),

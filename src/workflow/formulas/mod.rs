@@ -1,4 +1,4 @@
-//! What an unexplained error looks like: formulas from a small grammar, weighed by the evidence of the model doctor.
+//! Formulas for unexplained errors, from a small grammar and weighed by the evidence of the model doctor.
 //!
 //! Each formula is a hypothesis, as a user would write one; the doctor weighs them beside the catalogue. A formula is a pattern,
 //! never a cause: a person names it.
@@ -25,7 +25,7 @@ const KEPT: usize = 12;
 /// Most formulas that are listed.
 const LISTED: usize = 8;
 
-/// What the unexplained errors of a diagnosis look like.
+/// Formulas for the unexplained errors of a diagnosis.
 #[derive(Debug)]
 pub struct FoundFormulas {
     /// The diagnosis with the formulas.

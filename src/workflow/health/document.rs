@@ -8,7 +8,7 @@ use super::{Baseline, Checked};
 use crate::history::Changed;
 use crate::readiness::{CheckItem, ReadinessDocument};
 
-/// Whether a robot is as it was.
+/// Verdict of a check on changes of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HealthVerdict {
@@ -36,15 +36,15 @@ pub struct HealthDocument {
     pub robot: String,
     /// Whether the readings are complete and plausible.
     pub ready: bool,
-    /// What was checked of the readings.
+    /// Checks of the readings.
     pub checks: Vec<CheckItem>,
     /// When the baseline was measured; null if unknown.
     pub baseline_time: Option<Timestamp>,
-    /// Whether the robot is as it was.
+    /// Verdict on changes of the robot.
     pub verdict: HealthVerdict,
     /// Posterior probability that nothing changed.
     pub probability_unchanged: f64,
-    /// What changed or may have changed.
+    /// Certain and possible changes.
     pub changes: Vec<Changed>,
     /// The smallest moves that this check finds.
     pub detectable: Vec<DetectableMove>,

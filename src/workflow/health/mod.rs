@@ -38,13 +38,13 @@ const FOUND: f64 = 0.95;
 /// The calibration that a robot is checked against.
 #[derive(Debug, Clone)]
 pub struct Baseline {
-    /// What was identified.
+    /// Result of the identification.
     pub identification: Identification,
     /// When its poses were read, if known.
     pub time: Option<Timestamp>,
-    /// Its name, for sentences without a date.
+    /// Name of the session, for sentences without a date.
     pub name: String,
-    /// Whether values were written to the controller in it.
+    /// Whether values were written to the controller in the session.
     pub adjusted: bool,
 }
 
@@ -53,9 +53,9 @@ pub struct Baseline {
 pub struct Checked {
     /// The few poses with the fit to them alone.
     pub identification: Identification,
-    /// What changed since the baseline.
+    /// Changes since the baseline.
     pub found: HealthCheck,
-    /// What it comes to.
+    /// Verdict on changes of the robot.
     pub verdict: HealthVerdict,
     /// The smallest move of each pulley that would have been found, in the order of the cables.
     pub detectable: Vec<DetectableMove>,
@@ -280,7 +280,7 @@ impl Checked {
         })
     }
 
-    /// Whether something changed, but these poses cannot tell what.
+    /// Whether a change is certain, but these poses cannot tell which part changed.
     fn is_unnamed(&self) -> bool {
         self.verdict == HealthVerdict::Changed && self.certain().is_none()
     }

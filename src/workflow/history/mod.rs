@@ -95,17 +95,17 @@ pub struct RecordedSession {
     pub name: String,
     /// When its poses were read, if known.
     pub time: Option<Timestamp>,
-    /// What was identified.
+    /// Result of the identification.
     pub identification: Identification,
-    /// Whether its readings are of a simulated robot.
+    /// Whether the readings are of a simulated robot.
     pub is_simulated: bool,
-    /// Whether values were written to the controller in it.
+    /// Whether values were written to the controller in the session.
     pub adjusted: bool,
-    /// Who wrote values to the controller or accepted the robot in it.
+    /// Operator who wrote values to the controller or accepted the robot in the session.
     pub operator: Option<String>,
     /// Mean pose accuracy that was measured after the adjustment (m).
     pub accuracy_after_m: Option<f64>,
-    /// Effects in its model, with their cables.
+    /// Effects in the model of the session, with their cables.
     pub effects: Vec<String>,
 }
 
@@ -128,9 +128,9 @@ pub fn date(time: Timestamp) -> String {
 pub struct RobotRecord {
     /// The sessions.
     pub sessions: Vec<RecordedSession>,
-    /// What happened to the robot, in the order of time, from `events.csv` in the folder.
+    /// Events in the life of the robot, in the order of time, from `events.csv` in the folder.
     pub events: Vec<RobotEvent>,
-    /// What was left out, and other notices, one sentence each.
+    /// Omissions and other notices, one sentence each.
     pub notices: Vec<String>,
 }
 
@@ -174,11 +174,11 @@ pub enum RecordError {
 pub struct RobotHistory {
     /// States, jumps and drifts.
     pub history: History,
-    /// Whether all sessions have dates; otherwise nothing is said of rates and dates.
+    /// Whether all sessions have dates; otherwise rates and dates are not stated.
     pub is_dated: bool,
     /// Quantity with a tolerance.
     pub tolerance: Tolerance,
-    /// When it should be calibrated again; `None` without dates.
+    /// Forecast of the next calibration; `None` without dates.
     pub forecast: Option<Forecast>,
 }
 
@@ -260,7 +260,7 @@ impl RobotRecord {
         Ok(())
     }
 
-    /// Whether something happened to the robot after the session before this one.
+    /// Whether an event happened between the previous session and this one.
     fn follows_event(&self, index: usize) -> bool {
         let Some(before) = index.checked_sub(1) else {
             return false;
@@ -417,7 +417,7 @@ impl RobotRecord {
     }
 }
 
-/// What is in a folder, in the order of names; neither what is hidden nor notes in Markdown.
+/// Paths in a folder, in the order of names, without hidden ones and notes in Markdown.
 fn entries(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
     let mut paths = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
@@ -430,7 +430,7 @@ fn entries(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// Whether a path is a folder with sessions or dataset folders and none of its own files: the record of a robot.
+/// Whether a path is the record of a robot: a folder with at least two sessions or dataset folders, which is not one itself.
 #[must_use]
 pub fn is_record(path: &Path) -> bool {
     let is_session = |path: &PathBuf| is_own(path).unwrap_or(false);

@@ -17,7 +17,7 @@ pub struct RecordRow {
     pub operator: Option<String>,
     /// Number of its poses.
     pub poses: usize,
-    /// Whether its model explains its data.
+    /// Adequacy of the model of the session.
     pub verdict: FitVerdict,
     /// Largest standard deviation of a coordinate of a pulley, with all sessions taken into account (m).
     pub largest_sd_m: f64,

@@ -160,7 +160,7 @@ fn interval(forecast: &Forecast, last: Timestamp) -> String {
     }
 }
 
-/// What a record says of the time between two sessions: `(cable-2 replaced on 2026-09-03)`; empty if it says nothing.
+/// Events of a record between two sessions: `(cable-2 replaced on 2026-09-03)`; empty if there are none.
 fn told_between(record: &RobotRecord, sessions: [usize; 2]) -> String {
     let [Some(from), Some(to)] = sessions.map(|index| record.sessions[index].time) else {
         return String::new();
@@ -176,7 +176,7 @@ fn told_between(record: &RobotRecord, sessions: [usize; 2]) -> String {
     }
 }
 
-/// What happened over the sessions of a record: jumps, drifts, and whether any is certain.
+/// Sentences on the changes over the sessions of a record: jumps, drifts, and whether any is certain.
 #[must_use]
 pub fn changes(record: &RobotRecord, found: &RobotHistory) -> Vec<String> {
     let history = &found.history;

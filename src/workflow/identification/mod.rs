@@ -192,7 +192,7 @@ impl Identification {
         found.zip(drawn).map(distance).collect()
     }
 
-    /// Where a measured elongation had to be extrapolated, in words; the solution is not valid then.
+    /// Sentence on a measured elongation that had to be extrapolated; the solution is not valid then.
     #[must_use]
     pub fn extrapolation(&self) -> Option<String> {
         extrapolation(&self.dataset, &self.solution)
@@ -276,7 +276,7 @@ impl Identification {
     }
 }
 
-/// Where a measured elongation had to be extrapolated, in words; the solution is not valid then.
+/// Sentence on a measured elongation that had to be extrapolated; the solution is not valid then.
 #[must_use]
 pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
     let first = solution.outside_surface.first()?;

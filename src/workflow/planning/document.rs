@@ -47,7 +47,7 @@ pub struct PlanDocument {
     /// Faults that the poses reveal, if requested.
     #[serde(default)]
     pub isolability: Option<IsolabilityDocument>,
-    /// What the poses find as a check of a calibration, pulley by pulley; empty for other plans.
+    /// Move of each pulley that the poses detect as a check of a calibration; empty for other plans.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detection: Vec<DetectionDocument>,
 }

@@ -377,7 +377,7 @@ impl<'a> Points<'a> {
         }
     }
 
-    /// Whether there are so many that they are painted as small squares.
+    /// Whether there are so many points that they are painted as small squares.
     #[must_use]
     pub fn are_dense(&self) -> bool {
         let counts = self.thinned.iter().map(|thinned| thinned.points.len());

@@ -44,7 +44,7 @@ pub enum CheckOutcome {
 /// A part of the check.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct CheckItem {
-    /// What is checked: `complete`, `plausible`, `geometry` or `faults`.
+    /// Subject of the check: `complete`, `plausible`, `geometry` or `faults`.
     pub name: String,
     /// Outcome.
     pub outcome: CheckOutcome,
@@ -59,9 +59,9 @@ pub struct CheckItem {
 pub struct ReadinessDocument {
     /// Name of the robot.
     pub robot: String,
-    /// Whether no part failed.
+    /// Whether no check failed.
     pub ready: bool,
-    /// The parts.
+    /// The checks.
     pub checks: Vec<CheckItem>,
     /// Faults that these poses reveal; null if not evaluated.
     pub isolability: Option<IsolabilityDocument>,
@@ -226,7 +226,7 @@ fn geometry(fitted: &Fitted) -> CheckItem {
 /// Advice where poses reveal few faults.
 const BETTER_POSES: &str = "Poses planned with `tautline plan --for both` reveal more; the rest needs another instrument or a check in \
                             the workshop.";
-/// What is said and advised where the tolerances of the parts hide most faults.
+/// Sentence and advice if the tolerances of the parts hide most faults.
 const HIDDEN_BY_TOLERANCES: &str = "Most of them are hidden by what sound parts may deviate within their tolerances, not by the poses.";
 const TIGHTER_TOLERANCES: &str = "State the tolerances of this machine if they are tighter; the rest needs another instrument or a check \
                                   in the workshop.";

@@ -19,10 +19,10 @@ pub use wording::{
     set_in_words,
 };
 
-/// What is asked for.
+/// Request to measure until goals are reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UntilRequest {
-    /// When to stop: all of them.
+    /// Goals, all of which have to be reached.
     pub goals: Vec<Goal>,
     /// Largest number of poses, the home pose not counted.
     pub at_most: usize,

@@ -86,13 +86,13 @@ impl SequentialRun {
         &self.poses
     }
 
-    /// What is known by the last decision; `None` while the first poses are measured.
+    /// Assessment of the last decision; `None` while the first poses are measured.
     #[must_use]
     pub fn assessment(&self) -> Option<&Assessment> {
         self.last.as_ref()?.assessment.as_ref()
     }
 
-    /// Why the run ended, in a few words; `None` unless a decision has ended it.
+    /// Reason why the run ended, in a few words; `None` unless a decision has ended it.
     #[must_use]
     pub fn end(&self) -> Option<&'static str> {
         end_in_words(&self.last.as_ref()?.step)

@@ -62,7 +62,7 @@ pub enum SessionFileError {
     Misfit {
         /// The folder.
         folder: PathBuf,
-        /// What does not fit.
+        /// Difference between the poses and the session.
         reason: FieldError,
     },
     /// There is no disk space for the record.

@@ -81,7 +81,7 @@ impl OpenWindow {
         is_still(&self.file, &self.mark).unwrap_or(false)
     }
 
-    /// Whether it is the mark of this session.
+    /// Whether this is the mark of a session.
     #[must_use]
     pub fn is_of(&self, session: &Path) -> bool {
         let windows = self.mark.parent().unwrap_or(&self.mark);

@@ -16,9 +16,9 @@ pub struct Signature {
     pub effect: &'static Effect,
     /// Its size in words.
     pub size: String,
-    /// What it does.
+    /// Sentence on the effect.
     pub cause: String,
-    /// What to do about it in the workshop.
+    /// Advice for the workshop.
     pub workshop: String,
     /// The residuals in which it shows, the clearest first; or one sentence on why it does not.
     pub images: Result<Vec<Image>, String>,

@@ -19,7 +19,7 @@ use crate::wording::list;
 /// Targets on which the hypothesis is fitted: more would be no better than these.
 const MOST_PLACEMENTS: usize = 4;
 
-/// What a hypothesis does by itself to the residuals of a session.
+/// Result of fitting a hypothesis alone to the residuals of a session.
 #[derive(Debug, Clone)]
 pub struct Trial {
     /// Targets on which it was fitted, the most probable first.
@@ -42,7 +42,7 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// What it explains of the residuals, one sentence.
+    /// Share of the residuals that the hypothesis explains, in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let [before, after] = self.chi2;
