@@ -16,9 +16,9 @@ use tautline_session::{
 
 use super::choice::ControllerChoice;
 
-/// A kind of controller.
+/// Kind of robot behind a connection: simulated, recorded or real.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum RobotKind {
     /// The simulated robot of the session, which also gave its readings.
     OfSession,
     /// A robot simulated from the description only; its readings say nothing about a real robot.
@@ -29,8 +29,8 @@ pub enum Kind {
     Real,
 }
 
-impl Kind {
-    /// The kind of controller in the settings of a session.
+impl RobotKind {
+    /// Kind of robot by the settings of a session.
     #[must_use]
     pub fn offered(session: &Session) -> Self {
         match session.connection.controller {
@@ -41,10 +41,9 @@ impl Kind {
     }
 
     fn simulated(session: &Session) -> Self {
-        if session.simulator.is_some() {
-            Self::OfSession
-        } else {
-            Self::OfDescription
+        match session.simulator {
+            Some(_) => Self::OfSession,
+            None => Self::OfDescription,
         }
     }
 }
@@ -52,8 +51,8 @@ impl Kind {
 /// Setup of a connection.
 #[derive(Debug, Clone)]
 pub struct ConnectionSetup {
-    /// Kind of controller.
-    pub kind: Kind,
+    /// Kind of robot.
+    pub kind: RobotKind,
     pub(super) source: Source,
     /// File in which a simulated controller saves its values while they are written.
     pub(super) values_file: Option<PathBuf>,
@@ -143,18 +142,19 @@ impl ConnectionSetup {
         let (kind, source) = match choice {
             ControllerChoice::Simulated => {
                 let setup = setup_of(session, identified, &limits);
-                (Kind::simulated(session), Source::Simulated(Box::new(setup)))
+                let kind = RobotKind::simulated(session);
+                (kind, Source::Simulated(Box::new(setup)))
             }
-            ControllerChoice::Replay(folder) => (Kind::Recording, Source::Replay(folder.clone())),
+            ControllerChoice::Replay(path) => (RobotKind::Recording, Source::Replay(path.clone())),
             ControllerChoice::Ads(address) => {
                 let (mapping, options) = ads_parts(&session.connection, &session.robot);
                 let source = Source::Ads(address.clone(), Box::new(mapping), options);
-                (Kind::Real, source)
+                (RobotKind::Real, source)
             }
             ControllerChoice::OpcUa(address) => {
                 let (server, mapping) = opcua_parts(address, &session.connection, &session.robot);
                 let source = Source::OpcUa(Box::new(server), Box::new(mapping));
-                (Kind::Real, source)
+                (RobotKind::Real, source)
             }
         };
         Self {
@@ -234,13 +234,13 @@ impl ConnectionSetup {
     /// Whether motion is limited to real time, as for a real controller.
     #[must_use]
     pub fn runs_in_real_time(&self) -> bool {
-        self.kind == Kind::Real
+        self.kind == RobotKind::Real
     }
 
     /// Whether a lost connection is restored, as for a real controller.
     #[must_use]
     pub fn reconnects(&self) -> bool {
-        self.kind == Kind::Real
+        self.kind == RobotKind::Real
     }
 
     /// Time after which nothing that was sent over a lost connection can still arrive (s): longer than the timeout of a
@@ -474,7 +474,7 @@ mod tests {
             targets: targets.iter().map(|t| (*t).to_owned()).collect(),
             parameters: Default::default(),
         };
-        assert_eq!(rig.kind, Kind::OfDescription);
+        assert_eq!(rig.kind, RobotKind::OfDescription);
         assert!(rig.corrects(&setting("winch_scale", &["cable-3"])));
         assert!(rig.corrects(&setting("laser_scale", &[])));
         assert!(!rig.corrects(&setting("winch_scale", &["cable-4"])));

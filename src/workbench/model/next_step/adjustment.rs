@@ -9,7 +9,7 @@ use crate::model::phase::{Phase, PhaseStatus, Progress};
 use crate::model::{Model, OpenSession};
 use tautline_workflow::accuracy::{LARGEST, before_and_after};
 use tautline_workflow::adjusting::{self, Check, CheckState, Item};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::wording::{count, sentence};
 
@@ -178,7 +178,7 @@ fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Actio
         .iter()
         .filter(|one| one.name.starts_with("effect."));
     let is_unknown = effects.any(|one| one.controller.is_none());
-    (is_unknown && kind == Some(Kind::OfSession)).then(|| {
+    (is_unknown && kind == Some(RobotKind::OfSession)).then(|| {
         Action::new(
             "Add the parameters to the simulated controller",
             RobotCommand::ConnectAndArm,
