@@ -21,7 +21,7 @@ use rand_distr::{Distribution, Exp1, Gamma, StandardNormal};
 
 use super::search::{DAYS_PER_YEAR, JUMPS_PER_YEAR, SCALES};
 use super::state::TYPICAL_MOVE_M;
-use super::{History, Part};
+use super::{History, RobotPart};
 use crate::comparison::Identified;
 use crate::estimation::{Parameter, ParameterId};
 use crate::planning::{Volume, position_weights};
@@ -148,7 +148,7 @@ fn due(probability: impl Fn(f64) -> f64) -> Option<f64> {
 
 /// Expected number of jumps of pulleys that were found.
 fn jumps_of_pulleys(history: &History) -> f64 {
-    let of_pulley = |part: usize| matches!(history.parts[part], Part::Pulley(_));
+    let of_pulley = |part: usize| matches!(history.parts[part], RobotPart::Pulley(_));
     let jumps = history.jumps.iter().filter(|jump| of_pulley(jump.part));
     jumps.map(|jump| jump.probability).sum()
 }
@@ -206,7 +206,7 @@ impl ErrorOfValues {
         let mut parameters: Vec<Parameter> = estimated.iter().map(|k| own[*k].clone()).collect();
         // What only other sessions estimated may move, too.
         for part in movable(history) {
-            let Part::Pulley(cable) = history.parts[part] else {
+            let RobotPart::Pulley(cable) = history.parts[part] else {
                 continue;
             };
             for axis in history.axes[part].iter().copied() {
@@ -234,7 +234,7 @@ impl ErrorOfValues {
             .select_columns(&estimated);
         let of_values = factor.columns(0, estimated.len()) * covariance_root(&covariance);
         let columns = |part: usize| {
-            let Part::Pulley(cable) = history.parts[part] else {
+            let RobotPart::Pulley(cable) = history.parts[part] else {
                 return Vec::new();
             };
             let axes = history.axes[part].iter().copied();
@@ -266,7 +266,7 @@ impl ErrorOfValues {
 /// Indices of the pulleys of which any coordinate is followed.
 fn movable(history: &History) -> impl Iterator<Item = usize> {
     let is_movable = |part: &usize| {
-        matches!(history.parts[*part], Part::Pulley(_)) && !history.axes[*part].is_empty()
+        matches!(history.parts[*part], RobotPart::Pulley(_)) && !history.axes[*part].is_empty()
     };
     (0..history.parts.len()).filter(is_movable)
 }

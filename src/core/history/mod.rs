@@ -54,7 +54,7 @@ pub struct DatedRun<'a> {
 
 /// A part of the robot whose state is followed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Part {
+pub enum RobotPart {
     /// The pulley of a cable, by its index.
     Pulley(usize),
     /// The laser's target plane.
@@ -120,7 +120,7 @@ pub struct History {
     /// Days of the sessions after the first one.
     pub days: Vec<f64>,
     /// The parts that are followed.
-    pub parts: Vec<Part>,
+    pub parts: Vec<RobotPart>,
     /// Axes of the coordinates of each part that are estimated; empty for parts other than pulleys.
     pub axes: Vec<Vec<usize>>,
     /// State of each part in each session, `states[part][session]`.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{DatedRun, HistoryError, Part};
+use super::{DatedRun, HistoryError, RobotPart};
 use crate::comparison::{
     ComparisonError, DeviationKey, Identified, RigidMotion, data_information, deviation_key,
 };
@@ -37,7 +37,7 @@ pub(super) enum Followed {
 
 /// Components of the state.
 pub(super) struct State {
-    pub parts: Vec<Part>,
+    pub parts: Vec<RobotPart>,
     /// Typical size of a change of each part (m, or the unit of the effect).
     pub typical: Vec<f64>,
     numbers: Vec<StateNumber>,
@@ -86,7 +86,7 @@ impl State {
         let mut coordinates = Vec::new();
         let mut known = Vec::new();
         for (cable, of) in robot.cables.iter().enumerate() {
-            state.push_part(Part::Pulley(cable), TYPICAL_MOVE_M);
+            state.push_part(RobotPart::Pulley(cable), TYPICAL_MOVE_M);
             for axis in 0..3 {
                 let id = ParameterId::EntryPoint { cable, axis };
                 if is_estimated(&id) {
@@ -98,7 +98,7 @@ impl State {
             }
         }
         if is_estimated(&ParameterId::PlaneOffset) {
-            state.push_part(Part::TargetPlane, TYPICAL_MOVE_M);
+            state.push_part(RobotPart::TargetPlane, TYPICAL_MOVE_M);
             let offset = robot.laser.map_or(0.0, |l| l.target_plane.offset_m);
             state.push(0, offset, f64::INFINITY);
             coordinates.push(ParameterId::PlaneOffset);
@@ -165,7 +165,7 @@ impl State {
         });
     }
 
-    fn push_part(&mut self, part: Part, typical: f64) {
+    fn push_part(&mut self, part: RobotPart, typical: f64) {
         self.parts.push(part);
         self.typical.push(typical);
     }
@@ -200,11 +200,11 @@ impl State {
     /// Axes of the numbers of a part.
     pub fn axes_of(&self, part: usize) -> Vec<usize> {
         match self.parts[part] {
-            Part::Pulley(_) => {
+            RobotPart::Pulley(_) => {
                 let numbers = self.numbers_of(part).into_iter();
                 numbers.map(|k| self.numbers[k].axis).collect()
             }
-            Part::TargetPlane | Part::Effect { .. } => Vec::new(),
+            RobotPart::TargetPlane | RobotPart::Effect { .. } => Vec::new(),
         }
     }
 
@@ -223,8 +223,8 @@ impl State {
             return self.numbers.iter().position(of_number).or_else(constant);
         }
         let (part, axis) = match *id {
-            ParameterId::EntryPoint { cable, axis } => (Part::Pulley(cable), axis),
-            ParameterId::PlaneOffset => (Part::TargetPlane, 0),
+            ParameterId::EntryPoint { cable, axis } => (RobotPart::Pulley(cable), axis),
+            ParameterId::PlaneOffset => (RobotPart::TargetPlane, 0),
             _ => (effect_of(run, id)?.0, 0),
         };
         let part = self.parts.iter().position(|known| *known == part)?;
@@ -240,7 +240,7 @@ struct EffectNumber {
     largest: f64,
 }
 
-fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumber)> {
+fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(RobotPart, EffectNumber)> {
     let ParameterId::Effect { effect, parameter } = id else {
         return None;
     };
@@ -248,7 +248,7 @@ fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumb
     let description = bound.effect.parameters()[*parameter];
     let setting = bound.setting(&run.problem.dataset.robot);
     let [smallest, largest] = description.typical_sizes();
-    let part = Part::Effect {
+    let part = RobotPart::Effect {
         effect: setting.effect,
         targets: setting.targets,
         parameter: description.name.to_owned(),
@@ -267,7 +267,7 @@ fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumb
 }
 
 /// The part whose deviation a parameter is, with the typical size of a fault of it.
-fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, f64)> {
+fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(RobotPart, f64)> {
     let ParameterId::Deviation {
         deviation,
         parameter,
@@ -278,7 +278,7 @@ fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, f6
     let bound = &run.problem.deviations[*deviation].bound;
     let description = bound.effect.parameters()[*parameter];
     let setting = bound.setting(&run.problem.dataset.robot);
-    let part = Part::Effect {
+    let part = RobotPart::Effect {
         effect: setting.effect,
         targets: setting.targets,
         parameter: description.name.to_owned(),

@@ -7,7 +7,7 @@ use tautline_core::comparison::Identified;
 use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::geometry::Pose;
-use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, Part, check};
+use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, RobotPart, check};
 use tautline_core::measurement::Dataset;
 use tautline_core::planning::{Plan, PlanOptions, plan};
 use tautline_core::robot::{PerAxis, Robot};
@@ -248,7 +248,7 @@ impl Checked {
     #[must_use]
     pub fn detection(&self, cable: &str, move_m: f64) -> Option<f64> {
         let robot = &self.identification.dataset.robot;
-        let pulley = Part::Pulley(robot.cable_index(cable)?);
+        let pulley = RobotPart::Pulley(robot.cable_index(cable)?);
         let mut parts = self.found.history.parts.iter();
         let part = parts.position(|part| *part == pulley)?;
         self.found.detection(part, move_m)
@@ -264,7 +264,7 @@ impl Checked {
     /// The effect that has certainly changed, if it is one: as large as it is now.
     fn certain_effect(&self) -> Option<EffectSetting> {
         let jump = self.certain()?;
-        let Part::Effect {
+        let RobotPart::Effect {
             effect,
             targets,
             parameter,
@@ -300,7 +300,7 @@ fn place(robot: &mut Robot, found: &HealthCheck) {
             continue;
         };
         match of {
-            Part::Pulley(cable) => {
+            RobotPart::Pulley(cable) => {
                 let pulley = &mut robot.cables[*cable].pulley;
                 let mut sd = pulley.entry_point_sd_m.each();
                 for (axis, value) in history.axes[part].iter().zip(now.value.iter()) {
@@ -309,12 +309,12 @@ fn place(robot: &mut Robot, found: &HealthCheck) {
                 }
                 pulley.entry_point_sd_m = PerAxis::Each(sd);
             }
-            Part::TargetPlane => {
+            RobotPart::TargetPlane => {
                 if let Some(laser) = &mut robot.laser {
                     laser.target_plane.offset_m = now.value[0];
                 }
             }
-            Part::Effect { .. } => {}
+            RobotPart::Effect { .. } => {}
         }
     }
 }
@@ -347,7 +347,7 @@ fn verdict(found: &HealthCheck, identification: &Identification) -> HealthVerdic
 fn detectable(found: &HealthCheck, robot: &Robot) -> Vec<DetectableMove> {
     let parts = 0..found.history.parts.len();
     let moves = parts.filter_map(|part| {
-        let Part::Pulley(cable) = found.history.parts[part] else {
+        let RobotPart::Pulley(cable) = found.history.parts[part] else {
             return None;
         };
         let has_coordinates = !found.history.axes[part].is_empty();

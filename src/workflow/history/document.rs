@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::history::{History, Jump, OUT_OF_TOLERANCE, Part};
+use tautline_core::history::{History, Jump, OUT_OF_TOLERANCE, RobotPart};
 use tautline_core::robot::Robot;
 use tautline_session::{Timestamp, VersionedFile};
 
@@ -88,21 +88,21 @@ impl Changed {
     }
 }
 
-fn targets_of(part: &Part, robot: &Robot) -> Vec<String> {
+fn targets_of(part: &RobotPart, robot: &Robot) -> Vec<String> {
     match part {
-        Part::Pulley(cable) => vec![robot.cables[*cable].name.clone()],
-        Part::TargetPlane => Vec::new(),
-        Part::Effect { targets, .. } => targets.clone(),
+        RobotPart::Pulley(cable) => vec![robot.cables[*cable].name.clone()],
+        RobotPart::TargetPlane => Vec::new(),
+        RobotPart::Effect { targets, .. } => targets.clone(),
     }
 }
 
 /// Effect and parameter of a part that is one.
-fn effect_of(part: &Part) -> (Option<String>, Option<String>) {
+fn effect_of(part: &RobotPart) -> (Option<String>, Option<String>) {
     match part {
-        Part::Effect {
+        RobotPart::Effect {
             effect, parameter, ..
         } => (Some(effect.clone()), Some(parameter.clone())),
-        Part::Pulley(_) | Part::TargetPlane => (None, None),
+        RobotPart::Pulley(_) | RobotPart::TargetPlane => (None, None),
     }
 }
 
@@ -223,7 +223,7 @@ impl HistoryDocument {
             let mut values = vec![[None; 3]; robot.cables.len()];
             let mut of_sd = values.clone();
             for (part, of) in history.parts.iter().enumerate() {
-                if let Part::Pulley(cable) = of {
+                if let RobotPart::Pulley(cable) = of {
                     let state = &history.states[part][index];
                     for (k, axis) in history.axes[part].iter().enumerate() {
                         values[*cable][*axis] = Some(state.value[k]);

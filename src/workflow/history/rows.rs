@@ -1,6 +1,6 @@
 //! The sessions of a record as a table, for terminal, window and report.
 
-use tautline_core::history::{History, Part, SmoothedState};
+use tautline_core::history::{History, RobotPart, SmoothedState};
 use tautline_session::{Timestamp, csv_row};
 
 use super::{RecordedSession, RobotHistory, RobotRecord};
@@ -41,7 +41,7 @@ pub fn rows(record: &RobotRecord, found: &RobotHistory) -> Vec<RecordRow> {
 fn row(index: usize, session: &RecordedSession, history: &History) -> RecordRow {
     let largest = |value: &dyn Fn(&[SmoothedState]) -> f64| {
         let parts = history.parts.iter().zip(&history.states);
-        let pulleys = parts.filter(|(part, _)| matches!(part, Part::Pulley(_)));
+        let pulleys = parts.filter(|(part, _)| matches!(part, RobotPart::Pulley(_)));
         pulleys.map(|(_, states)| value(states)).fold(0.0, f64::max)
     };
     let variance = |states: &[SmoothedState]| {
@@ -73,7 +73,7 @@ pub fn pulleys_csv(record: &RobotRecord, found: &RobotHistory) -> String {
     for (index, session) in record.sessions.iter().enumerate() {
         let time = session.time.map_or_else(String::new, |t| t.to_string());
         for (part, of) in history.parts.iter().enumerate() {
-            let Part::Pulley(cable) = of else {
+            let RobotPart::Pulley(cable) = of else {
                 continue;
             };
             let state = &history.states[part][index];

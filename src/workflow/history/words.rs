@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use tautline_core::effect::find;
-use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, Part};
+use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, RobotPart};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
@@ -17,11 +17,11 @@ const DAYS_PER_MONTH: f64 = 30.0;
 
 /// A part: `pulley of cable-3`, `the laser's target plane`, `winch scale (cable-2)`.
 #[must_use]
-pub fn part_name(part: &Part, robot: &Robot) -> String {
+pub fn part_name(part: &RobotPart, robot: &Robot) -> String {
     match part {
-        Part::Pulley(cable) => format!("pulley of {}", robot.cables[*cable].name),
-        Part::TargetPlane => "the laser's target plane".to_owned(),
-        Part::Effect {
+        RobotPart::Pulley(cable) => format!("pulley of {}", robot.cables[*cable].name),
+        RobotPart::TargetPlane => "the laser's target plane".to_owned(),
+        RobotPart::Effect {
             effect,
             targets,
             parameter,
@@ -62,27 +62,27 @@ fn size(value: &[f64], sds: &[f64], axes: &[usize], unit: &str) -> String {
 }
 
 /// SI unit of the numbers of a part.
-pub fn unit_of(part: &Part) -> &str {
+pub fn unit_of(part: &RobotPart) -> &str {
     match part {
-        Part::Pulley(_) | Part::TargetPlane => "m",
-        Part::Effect { unit, .. } => unit,
+        RobotPart::Pulley(_) | RobotPart::TargetPlane => "m",
+        RobotPart::Effect { unit, .. } => unit,
     }
 }
 
 /// The size of a jump.
-pub fn size_of_jump(jump: &Jump, part: &Part, axes: &[usize]) -> String {
+pub fn size_of_jump(jump: &Jump, part: &RobotPart, axes: &[usize]) -> String {
     let variances = jump.covariance.diagonal();
     let sds: Vec<f64> = variances.iter().map(|v| v.max(0.0).sqrt()).collect();
     size(jump.size.as_slice(), &sds, axes, unit_of(part))
 }
 
 /// One jump: what moved, between which sessions, how certainly, by how much.
-fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize]) -> String {
+fn change_sentence(record: &RobotRecord, jump: &Jump, part: &RobotPart, axes: &[usize]) -> String {
     let [before, after] = jump.between.map(|k| record.sessions[k].name.as_str());
     let name = part_name(part, record.robot());
     let verb = match part {
-        Part::Pulley(_) | Part::TargetPlane => "moved",
-        Part::Effect { .. } => "changed",
+        RobotPart::Pulley(_) | RobotPart::TargetPlane => "moved",
+        RobotPart::Effect { .. } => "changed",
     };
     format!(
         "Between {before} and {after}{} the {} {verb} by {}, {}.",
@@ -94,7 +94,7 @@ fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize
 }
 
 /// One drift: what drifts, how certainly, how fast.
-fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usize]) -> String {
+fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &RobotPart, axes: &[usize]) -> String {
     let robot = record.robot();
     let rate = &drift.rate * DAYS_PER_MONTH;
     let variances = drift.covariance.diagonal();
