@@ -29,7 +29,7 @@ pub(super) enum PoseWeights {
 
 /// A column of the linearised problem: a generator with its weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Column {
+pub(super) struct CandidateColumn {
     pub generator: usize,
     pub pose_weights: PoseWeights,
 }
@@ -43,7 +43,7 @@ pub(super) struct Candidate {
     pub cables: u64,
     /// Label of the pose of an event, or period of a wave; NaN for other effects.
     pub place: f64,
-    pub columns: Vec<Column>,
+    pub columns: Vec<CandidateColumn>,
     /// Factor `F` of the prior covariance `F F^T` of the coordinates at scale 1.
     pub prior: DMatrix<f64>,
     /// Factors of `prior`, the scales of the size prior, each with its log probability.

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{COLUMNS_AT_ONCE, FREQUENCIES_PER_WAVE, MAX_PERIODS};
 use super::candidates::{
-    Candidate, Column, PoseWeights, prior_sd, probe_offset, scales, size_parameter,
+    Candidate, CandidateColumn, PoseWeights, prior_sd, probe_offset, scales, size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
@@ -84,7 +84,7 @@ impl Catalogue {
     /// A column as conditions, given the generators as conditions.
     pub fn column(
         &self,
-        column: Column,
+        column: CandidateColumn,
         generators: &DMatrix<f64>,
         conditions: &Conditions,
     ) -> DVector<f64> {
@@ -263,7 +263,7 @@ impl Builder<'_> {
         &mut self,
         cause: &Cause,
         pose_weights: impl Fn(usize) -> PoseWeights,
-    ) -> Vec<Column> {
+    ) -> Vec<CandidateColumn> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
             let mut at = bound.clone();
@@ -272,7 +272,7 @@ impl Builder<'_> {
             }
             for k in at.effect.estimable() {
                 let generator = self.generator(&at, k);
-                columns.push(Column {
+                columns.push(CandidateColumn {
                     generator,
                     pose_weights: pose_weights(columns.len()),
                 });
@@ -282,14 +282,14 @@ impl Builder<'_> {
     }
 
     /// Sine and cosine columns of a wave with a known period.
-    fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<Column> {
+    fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<CandidateColumn> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
             for angle in [0.0, FRAC_PI_2] {
                 let mut at = bound.clone();
                 at.values.fill(0.0);
                 at.values[phase] = angle;
-                columns.push(Column {
+                columns.push(CandidateColumn {
                     generator: self.generator(&at, amplitude_of(phase, None)),
                     pose_weights: PoseWeights::Everywhere,
                 });
@@ -322,7 +322,7 @@ impl Builder<'_> {
         }
         let count = periods.len();
         for period in periods {
-            let column = |cosine| Column {
+            let column = |cosine| CandidateColumn {
                 generator,
                 pose_weights: PoseWeights::Wave { period, cosine },
             };
@@ -356,7 +356,7 @@ impl Builder<'_> {
         }
         let count = places.len();
         for place in places {
-            let columns = generators.iter().map(|generator| Column {
+            let columns = generators.iter().map(|generator| CandidateColumn {
                 generator: *generator,
                 pose_weights: pose_weights(place),
             });
@@ -369,7 +369,7 @@ impl Builder<'_> {
     fn push(
         &mut self,
         cause: &Cause,
-        columns: Vec<Column>,
+        columns: Vec<CandidateColumn>,
         (place, places): (f64, usize),
         expected: f64,
     ) {

@@ -11,7 +11,7 @@ use std::rc::Rc;
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::FEW_COLUMNS;
-use super::candidates::{Candidate, Column, PoseWeights};
+use super::candidates::{Candidate, CandidateColumn, PoseWeights};
 use super::catalogue::Catalogue;
 use super::hyperparameters::LinearProblem;
 use super::reduced_problem::ReducedProblem;
@@ -37,7 +37,7 @@ pub(super) struct Gram<'l> {
     pub scores: Vec<CandidateScore>,
     /// Index of the first column of each candidate, and the number of columns at the end.
     pub first: Vec<usize>,
-    columns: Vec<Column>,
+    columns: Vec<CandidateColumn>,
     /// Generators that have columns acting at some poses only, with their indices among them.
     local: HashMap<usize, usize>,
     /// Weights at each pose, for each column of a wave.
@@ -58,7 +58,7 @@ impl<'l> Gram<'l> {
         let mut whitened = generators.clone();
         base.noise.whiten(&mut whitened);
         let mut first = Vec::new();
-        let mut columns: Vec<Column> = Vec::new();
+        let mut columns: Vec<CandidateColumn> = Vec::new();
         for candidate in &catalogue.candidates {
             first.push(columns.len());
             columns.extend(&candidate.columns);
@@ -288,7 +288,7 @@ impl<'l> Gram<'l> {
             }
         }
         let mut waves = self.waves.iter();
-        let product = |column: &Column| {
+        let product = |column: &CandidateColumn| {
             let place = || self.local[&column.generator];
             match column.pose_weights {
                 PoseWeights::Everywhere => whole[column.generator],

@@ -17,7 +17,7 @@ pub struct FoundEffect<'a> {
 
 /// Parts of which the robot has one per cable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum CablePart {
     /// The cable itself.
     Cable,
     /// Its winch.
@@ -28,7 +28,7 @@ pub enum Part {
     ForceSensor,
 }
 
-impl Part {
+impl CablePart {
     /// Singular and plural.
     fn nouns(self) -> [&'static str; 2] {
         match self {
@@ -123,10 +123,10 @@ impl<'a> FoundEffect<'a> {
         };
         match field.split_once(':') {
             None => match field {
-                "cable" => self.name(Part::Cable),
-                "winch" => self.name(Part::Winch),
-                "pulley" => self.name(Part::Pulley),
-                "force sensor" => self.name(Part::ForceSensor),
+                "cable" => self.name(CablePart::Cable),
+                "winch" => self.name(CablePart::Winch),
+                "pulley" => self.name(CablePart::Pulley),
+                "force sensor" => self.name(CablePart::ForceSensor),
                 "displacement" => match self.bound.values.get(..3) {
                     Some(vector) => displacement(vector),
                     None => unknown(),
@@ -202,7 +202,7 @@ impl<'a> FoundEffect<'a> {
 
     /// The parts of the cables concerned, without capital: `winch 3`, `winches 1, 4 and 5`, `all winches`, `the
     /// winch of left-front`.
-    pub fn name(&self, part: Part) -> String {
+    pub fn name(&self, part: CablePart) -> String {
         let [one, several] = part.nouns();
         let cables = self.cables();
         if cables.len() > 1 && cables.len() == self.robot.cable_count() {
@@ -218,7 +218,7 @@ impl<'a> FoundEffect<'a> {
             .map(|i| self.robot.cables[*i].name.clone())
             .collect();
         match part {
-            Part::Cable => format!("{noun} {}", list(&names)),
+            CablePart::Cable => format!("{noun} {}", list(&names)),
             _ => format!("the {noun} of {}", list(&names)),
         }
     }

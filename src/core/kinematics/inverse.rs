@@ -282,7 +282,7 @@ fn length_gradient(cable: &Cable, pose: &Pose) -> Result<LengthGradient, Kinemat
 
 #[cfg(test)]
 mod tests {
-    use super::super::samples::{self, Kind};
+    use super::super::samples::{self, PlatformKind};
     use super::*;
     use crate::geometry::Coordinate;
     use rand::RngExt;
@@ -350,7 +350,11 @@ mod tests {
                 check_gradients(&robot, &pose);
             }
         }
-        for kind in [Kind::Spatial, Kind::Planar, Kind::PointMass] {
+        for kind in [
+            PlatformKind::Spatial,
+            PlatformKind::Planar,
+            PlatformKind::PointMass,
+        ] {
             for radius in [0.0, 0.02] {
                 let robot = samples::of_kind(kind, radius);
                 let twist = Twist::from_fn(|_, _| rng.random_range(-0.1..0.1));

@@ -364,7 +364,7 @@ impl<'a> Dual<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::length_gradients;
-    use super::super::samples::{self, Kind};
+    use super::super::samples::{self, PlatformKind};
     use super::*;
     use crate::geometry::Coordinate;
     use rand::RngExt;
@@ -444,7 +444,11 @@ mod tests {
     #[test]
     fn structure_matrix_is_minus_the_length_gradient() {
         let mut rng = samples::generator(21);
-        for kind in [Kind::Spatial, Kind::Planar, Kind::PointMass] {
+        for kind in [
+            PlatformKind::Spatial,
+            PlatformKind::Planar,
+            PlatformKind::PointMass,
+        ] {
             let robot = samples::of_kind(kind, 0.02);
             let twist = Twist::from_fn(|_, _| rng.random_range(-0.1..0.1));
             let pose = Pose::identity().perturbed(&twist);

@@ -9,7 +9,7 @@ use crate::wording::count;
 
 /// A step of an adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Item {
+pub enum AdjustmentStep {
     /// Measure the accuracy with the values that the controller has.
     MeasureBefore,
     /// Review the differences between the controller and the identified values.
@@ -22,7 +22,7 @@ pub enum Item {
     Accept,
 }
 
-impl Item {
+impl AdjustmentStep {
     /// All steps, in their order.
     pub const ALL: [Self; 5] = [
         Self::MeasureBefore,
@@ -64,7 +64,7 @@ pub enum CheckState {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
     /// The step.
-    pub item: Item,
+    pub step: AdjustmentStep,
     /// State of the step.
     pub state: CheckState,
     /// Result of the step, in a few words.
@@ -100,7 +100,7 @@ pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) ->
     ];
     let last_done = is_done.iter().rposition(|is_done| *is_done);
     let next = last_done.map_or(0, |last| last + 1);
-    let results = [
+    let mut results = [
         before.and_then(|_| mm(main.as_ref()?.before_m)),
         (changes > 0).then(|| count(changes, "value") + " to write"),
         written.map(|written| match written.adjustment.operator.as_str() {
@@ -119,19 +119,19 @@ pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) ->
             name => format!("by {name}"),
         }),
     ];
-    let mut results = results.into_iter();
     std::array::from_fn(|place| {
+        let step = AdjustmentStep::ALL[place];
         let state = match is_done[place] {
-            true if Item::ALL[place] == Item::MeasureAfter && is_worse => CheckState::Bad,
+            true if step == AdjustmentStep::MeasureAfter && is_worse => CheckState::Bad,
             true => CheckState::Done,
             false if place < next => CheckState::LeftOut,
             false if place == next => CheckState::Next,
             false => CheckState::Later,
         };
         Check {
-            item: Item::ALL[place],
+            step,
             state,
-            result: results.next().flatten().unwrap_or_default(),
+            result: results[place].take().unwrap_or_default(),
         }
     })
 }

@@ -19,7 +19,7 @@ use tautline_session::{
 };
 
 use crate::wording::count;
-pub use checklist::{Check, CheckState, Item, checklist};
+pub use checklist::{AdjustmentStep, Check, CheckState, checklist};
 pub use document::{AdjustmentDocument, DifferenceRow};
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 pub use record::{Written, recorded_differences, verified_before_last_write, written};

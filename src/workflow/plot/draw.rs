@@ -24,7 +24,7 @@ const CHARACTER: f32 = 0.55;
 
 /// An entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct LegendEntry {
     /// Its rectangle.
     pub rect: Rect,
     /// Its text.
@@ -53,7 +53,7 @@ pub struct Layout {
     /// Displayed values, and the rectangle of the data.
     pub scale: Scale,
     /// The legend, above the data.
-    pub legend: Vec<Entry>,
+    pub legend: Vec<LegendEntry>,
     /// Left edge of the x axis title if it is beside the ticks, else infinite.
     x_title: f32,
     x_ticks: Vec<Tick>,
@@ -112,7 +112,7 @@ pub fn right_margin(figure: &Figure, width: &dyn Fn(&str) -> f32) -> f32 {
 
 /// The legend entries that fit into the upper part of a rectangle, beside the title of the y axis or below it.
 #[must_use]
-pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
+pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<LegendEntry> {
     let left = width(&figure.y.title()) + 4.0 * GRID;
     // In a low plot the data take precedence: what has no room is left out, bands and curves before cables.
     let room = (LEGEND * whole.height()).max(2.0 * (TEXT + GRID));
@@ -157,7 +157,7 @@ pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<
         if y + line > whole.height() {
             break;
         }
-        entries.push(Entry {
+        entries.push(LegendEntry {
             rect: Rect::from_min_size(whole.min + vec2(x, y), size),
             text: text.to_owned(),
             name: name.to_owned(),
@@ -489,7 +489,7 @@ impl<'a> Points<'a> {
     }
 }
 
-impl Entry {
+impl LegendEntry {
     /// Paints the entry: symbol and text; pale if what it stands for is hidden.
     pub fn draw(
         &self,
