@@ -53,7 +53,7 @@ impl Catalogue {
         let shown_by_motion = if data.rates.is_some() { IN_MOTION } else { &[] };
         let is_tracked = fit.problem.dataset.robot.tracker.is_some();
         let shown_by_poses = if is_tracked { OF_EXTERNAL_POSES } else { &[] };
-        let known = || {
+        let effects = || {
             CATALOGUE
                 .iter()
                 .chain(shown_by_poses)
@@ -61,7 +61,7 @@ impl Catalogue {
         };
         let turns = fit.problem.dataset.robot.platform.turns();
         let tested = || {
-            let tested = known().filter(|e| e.search() != Search::Exchange);
+            let tested = effects().filter(|e| e.search() != Search::Exchange);
             tested.filter(|e| turns || e.id() != ATTACHMENT)
         };
         let each = EXPECTED_CAUSES / tested().count() as f64;
@@ -71,10 +71,10 @@ impl Catalogue {
             builder.add(effect, expected);
         }
         builder.add_shared(|effect| {
-            let own = hypotheses
+            let hypothesis = hypotheses
                 .iter()
                 .find(|(known, _)| std::ptr::eq(*known, effect));
-            own.map_or(each, |(_, expected)| *expected)
+            hypothesis.map_or(each, |(_, expected)| *expected)
         });
         builder.build()
     }
@@ -98,8 +98,8 @@ impl Catalogue {
             } else {
                 0.0
             };
-            let own = block.conditions.clone();
-            values.rows_mut(own.start, own.len()).scale_mut(weight);
+            let range = block.conditions.clone();
+            values.rows_mut(range.start, range.len()).scale_mut(weight);
         }
         values
     }
