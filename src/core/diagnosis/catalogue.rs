@@ -156,16 +156,16 @@ impl Builder<'_> {
     fn generator(&mut self, bound: &BoundEffect, parameter: usize) -> usize {
         let bits = |b: &BoundEffect| b.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         let same = |other: &BoundEffect| other.has_target_of(bound) && bits(other) == bits(bound);
-        let known = self.bounds.iter().position(same);
-        let index = known.unwrap_or_else(|| {
+        let existing = self.bounds.iter().position(same);
+        let index = existing.unwrap_or_else(|| {
             self.bounds.push(bound.clone());
             self.bounds.len() - 1
         });
-        let known = self
+        let existing = self
             .generators
             .iter()
             .position(|g| *g == (index, parameter));
-        known.unwrap_or_else(|| {
+        existing.unwrap_or_else(|| {
             self.generators.push((index, parameter));
             self.generators.len() - 1
         })
@@ -174,22 +174,22 @@ impl Builder<'_> {
     /// Adds all candidates of an effect; `expected` is the prior expectation of their number.
     fn add(&mut self, effect: &'static Effect, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
-        let all: Vec<usize> = (0..cables).collect();
+        let indices: Vec<usize> = (0..cables).collect();
         let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
             effect,
             cables,
             targeted,
             values: effect.parameters().iter().map(|p| p.start).collect(),
         };
-        let whole = || vec![bound(all.clone(), false)];
-        let each = || all.iter().map(|c| bound(vec![*c], true));
+        let whole = || vec![bound(indices.clone(), false)];
+        let each = || indices.iter().map(|c| bound(vec![*c], true));
         let mut targets: Vec<(Vec<BoundEffect>, f64)> = Vec::new();
         match effect.scope() {
             Scope::Robot => targets.push((whole(), 1.0)),
             Scope::Pair => {
-                let pairs = all
+                let pairs = indices
                     .iter()
-                    .flat_map(|a| all[a + 1..].iter().map(|b| vec![*a, *b]));
+                    .flat_map(|a| indices[a + 1..].iter().map(|b| vec![*a, *b]));
                 let pairs: Vec<Vec<usize>> = pairs.collect();
                 let share = 1.0 / pairs.len() as f64;
                 targets.extend(pairs.into_iter().map(|p| (vec![bound(p, true)], share)));
@@ -215,8 +215,8 @@ impl Builder<'_> {
     fn add_shared(&mut self, expected: impl Fn(&Effect) -> f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
-            let known = self.candidates.iter().any(|c| c.represents(cause));
-            if !known && cause.effect().search() != Search::Exchange {
+            let is_known = self.candidates.iter().any(|c| c.represents(cause));
+            if !is_known && cause.effect().search() != Search::Exchange {
                 let mut start = cause.clone();
                 for bound in &mut start.instances {
                     bound.values = bound.effect.parameters().iter().map(|p| p.start).collect();
@@ -266,12 +266,12 @@ impl Builder<'_> {
     ) -> Vec<CandidateColumn> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
-            let mut at = bound.clone();
-            for (value, p) in at.values.iter_mut().zip(at.effect.parameters()) {
+            let mut probe = bound.clone();
+            for (value, p) in probe.values.iter_mut().zip(probe.effect.parameters()) {
                 *value = p.neutral + probe_offset(p);
             }
-            for k in at.effect.estimable() {
-                let generator = self.generator(&at, k);
+            for k in probe.effect.estimable() {
+                let generator = self.generator(&probe, k);
                 columns.push(CandidateColumn {
                     generator,
                     pose_weights: pose_weights(columns.len()),
@@ -286,11 +286,11 @@ impl Builder<'_> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
             for angle in [0.0, FRAC_PI_2] {
-                let mut at = bound.clone();
-                at.values.fill(0.0);
-                at.values[phase] = angle;
+                let mut probe = bound.clone();
+                probe.values.fill(0.0);
+                probe.values[phase] = angle;
                 columns.push(CandidateColumn {
-                    generator: self.generator(&at, amplitude_of(phase, None)),
+                    generator: self.generator(&probe, amplitude_of(phase, None)),
                     pose_weights: PoseWeights::Everywhere,
                 });
             }
@@ -302,22 +302,22 @@ impl Builder<'_> {
     fn add_periods(&mut self, cause: &Cause, (phase, period): (usize, usize), expected: f64) {
         // The derivative of a wave of infinite period at its crest is a constant, to which the weights of each pose
         // apply.
-        let mut at = cause.instances[0].clone();
-        at.values.fill(0.0);
-        at.values[period] = f64::INFINITY;
-        at.values[phase] = FRAC_PI_2;
-        let generator = self.generator(&at, amplitude_of(phase, Some(period)));
+        let mut probe = cause.instances[0].clone();
+        probe.values.fill(0.0);
+        probe.values[period] = f64::INFINITY;
+        probe.values[phase] = FRAC_PI_2;
+        let generator = self.generator(&probe, amplitude_of(phase, Some(period)));
         let typical = cause.effect().parameters()[period].typical;
         let mut periods = periods(typical, &self.distances);
         let present = self.fit.causes.iter().flat_map(|c| &c.instances);
         for bound in present.filter(|b| b.effect.id() == cause.effect().id()) {
-            let own = bound.values[period];
+            let fitted = bound.values[period];
             let nearest = (0..periods.len()).min_by(|a, b| {
-                let off = |k: usize| (periods[k] - own).abs();
+                let off = |k: usize| (periods[k] - fitted).abs();
                 off(*a).total_cmp(&off(*b))
             });
             if let Some(k) = nearest {
-                periods[k] = own;
+                periods[k] = fitted;
             }
         }
         let count = periods.len();
@@ -338,13 +338,13 @@ impl Builder<'_> {
         pose_weights: impl Fn(usize) -> PoseWeights,
         expected: f64,
     ) {
-        let mut at = cause.clone();
-        for bound in &mut at.instances {
+        let mut event = cause.clone();
+        for bound in &mut event.instances {
             // NaN makes the event act at every pose; the column weights then select the poses.
             bound.values[pose] = f64::NAN;
         }
         let mut generators = Vec::new();
-        for bound in &at.instances {
+        for bound in &event.instances {
             for k in bound.effect.estimable() {
                 generators.push(self.generator(bound, k));
             }
@@ -388,9 +388,9 @@ impl Builder<'_> {
             return;
         }
         let present = |bound: &BoundEffect, k: usize| {
-            let found = self.fit.causes.iter().flat_map(|c| &c.instances);
+            let instances = self.fit.causes.iter().flat_map(|c| &c.instances);
             let mut same =
-                found.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
+                instances.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
             same.next()
                 .map_or(0.0, |b| b.values[k] - effect.parameters()[k].neutral)
         };
@@ -449,16 +449,16 @@ impl Builder<'_> {
         let is_at_place =
             |bound: &BoundEffect| is_same_place(bound.effect, place_of(bound), place, 0.0);
         let alike = |bound: &&BoundEffect| bound.effect.id() == cause.effect().id();
-        let known: Vec<_> = model
+        let present: Vec<_> = model
             .iter()
             .filter(alike)
             .filter(|b| is_at_place(b))
             .collect();
-        let has = |cables: &[usize]| known.iter().any(|bound| bound.cables == cables);
+        let has = |cables: &[usize]| present.iter().any(|bound| bound.cables == cables);
         let is_known = |bound: &BoundEffect| {
             has(&bound.cables) || bound.cables.iter().all(|cable| has(&[*cable]))
         };
-        !known.is_empty() && cause.instances.iter().all(is_known)
+        !present.is_empty() && cause.instances.iter().all(is_known)
     }
 
     fn build(self) -> Catalogue {
@@ -478,9 +478,9 @@ impl Builder<'_> {
                 let ParameterId::Effect { effect, parameter } = parameter.id else {
                     continue;
                 };
-                let own = |g: &(usize, usize)| *g == (first + effect - present, parameter);
+                let is_same = |g: &(usize, usize)| *g == (first + effect - present, parameter);
                 if effect >= present
-                    && let Some(k) = self.generators.iter().position(own)
+                    && let Some(k) = self.generators.iter().position(is_same)
                 {
                     let from = linear.design.view((0, column), (rows, 1));
                     generators.column_mut(k).copy_from(&from);
