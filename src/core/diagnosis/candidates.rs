@@ -238,11 +238,11 @@ pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
 /// Log ratio of the prior densities at the largest typical size and at a size, given as a multiple of that.
 pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
     let density = |size: f64| {
-        let of = |(scale, log_amplitude_prior): (f64, f64)| {
+        let weighted = |(scale, log_amplitude_prior): (f64, f64)| {
             log_amplitude_prior.exp() / scale
                 * (-0.5 * (size / (RELATIVE_SD * scale)).powi(2)).exp()
         };
-        scales(parameter).into_iter().map(of).sum::<f64>()
+        scales(parameter).into_iter().map(weighted).sum::<f64>()
     };
     density(1.0).ln() - density(size.max(1.0)).max(f64::MIN_POSITIVE).ln()
 }

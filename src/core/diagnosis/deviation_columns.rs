@@ -113,8 +113,8 @@ pub(super) fn linearised(
     for (mut column, parameter) in columns.column_iter_mut().zip(of_deviations) {
         column *= parameter.prior_sd.unwrap_or(0.0);
     }
-    for (row, of) in linear.rows.iter().enumerate() {
-        if is_prior_of_deviation(of.kind, &linear) {
+    for (row, linear_row) in linear.rows.iter().enumerate() {
+        if is_prior_of_deviation(linear_row.kind, &linear) {
             columns.row_mut(row).fill(0.0);
         }
     }

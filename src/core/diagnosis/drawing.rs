@@ -95,8 +95,8 @@ impl Displacements {
             if let Some(sd) = pulley.entry_point_sd_m.each()[axis].filter(|sd| *sd > 0.0) {
                 places.push((cable, axis));
                 columns.push(column);
-                let found = solution.globals.entry_points[cable][axis];
-                values.push(found - pulley.entry_point_m[axis]);
+                let estimate = solution.globals.entry_points[cable][axis];
+                values.push(estimate - pulley.entry_point_m[axis]);
                 stated.push(sd * sd);
             }
         }
@@ -157,16 +157,16 @@ impl Displacements {
 
     /// The displacement of one pulley, with its size and variances in the direction of it.
     fn of_pulley(&self, cable: usize, sign: f64) -> Option<TestedPattern> {
-        let own: Vec<usize> = (0..self.places.len())
+        let picked: Vec<usize> = (0..self.places.len())
             .filter(|k| self.places[*k].0 == cable)
             .collect();
-        if own.is_empty() {
+        if picked.is_empty() {
             return None;
         }
-        let value = self.values.select_rows(&own);
-        let stated = self.stated.select_rows(&own);
+        let value = self.values.select_rows(&picked);
+        let stated = self.stated.select_rows(&picked);
         let least = MIN_KNOWN_SHARE * stated.max();
-        let estimated = self.estimated.select_rows(&own).select_columns(&own);
+        let estimated = self.estimated.select_rows(&picked).select_columns(&picked);
         let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) + estimated * sign);
         // The readings say nothing of the other directions.
         let axes = spread
@@ -182,7 +182,7 @@ impl Displacements {
         }
         let mut weights = DVector::zeros(self.places.len());
         let norm = value.norm().max(f64::MIN_POSITIVE);
-        for (k, component) in own.iter().zip(&value) {
+        for (k, component) in picked.iter().zip(&value) {
             weights[*k] = component / norm;
         }
         Some(TestedPattern {
@@ -195,15 +195,15 @@ impl Displacements {
 
     /// Weights of the change of the extent along an axis, and of a turn about one; `None` where the pulleys have no extent.
     fn weights(&self, robot: &Robot, pattern: DrawingPattern) -> Option<DVector<f64>> {
-        let at = |cable: usize| Vector3::from(robot.cables[cable].pulley.entry_point_m);
-        let all = (0..robot.cable_count()).map(at);
+        let place_of = |cable: usize| Vector3::from(robot.cables[cable].pulley.entry_point_m);
+        let all = (0..robot.cable_count()).map(place_of);
         let centre = all.clone().sum::<Vector3<f64>>() / robot.cable_count() as f64;
         let lever = |(cable, axis): (usize, usize)| match pattern {
-            DrawingPattern::Extent(along) if axis == along => at(cable)[axis] - centre[axis],
+            DrawingPattern::Extent(along) if axis == along => place_of(cable)[axis] - centre[axis],
             DrawingPattern::Turn(about) => {
                 let mut unit = Vector3::zeros();
                 unit[about] = 1.0;
-                unit.cross(&(at(cable) - centre))[axis]
+                unit.cross(&(place_of(cable) - centre))[axis]
             }
             DrawingPattern::Extent(_) | DrawingPattern::Pulley(_) => 0.0,
         };
@@ -242,10 +242,10 @@ pub(super) struct DrawingEvidence {
 /// prior covariance `S` has the log evidence `(h^T (L + S^-1)^-1 h - log det(1 + S L)) / 2`. A drawing is wrong anywhere, or in
 /// one of the patterns.
 pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<DrawingEvidence> {
-    let found = Displacements::of(robot, wide)?;
-    let precision = found.estimated.clone().cholesky()?.inverse();
-    let right_side = &precision * &found.values;
-    let wider = &found.stated * PLACES_WIDER.powi(2);
+    let displacements = Displacements::of(robot, wide)?;
+    let precision = displacements.estimated.clone().cholesky()?.inverse();
+    let right_side = &precision * &displacements.values;
+    let wider = &displacements.stated * PLACES_WIDER.powi(2);
     let information = precision - DMatrix::from_diagonal(&wider.map(f64::recip));
     let of_prior = |prior: &DMatrix<f64>| {
         let root = prior.clone().cholesky()?.unpack();
@@ -255,14 +255,14 @@ pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<Drawing
         let explained = projected.dot(&inner.solve(&projected));
         Some([0.5 * explained, -0.5 * inner.ln_determinant()])
     };
-    let patterns: Vec<f64> = (found.priors_of_patterns(robot).iter())
+    let patterns: Vec<f64> = (displacements.priors_of_patterns(robot).iter())
         .filter_map(|prior| Some(of_prior(prior)?.iter().sum()))
         .collect();
     let [explained_by_wider, cost] = of_prior(&DMatrix::from_diagonal(&wider))?;
     let in_pattern = log_sum(patterns.iter().copied()) - (patterns.len() as f64).ln();
     let wrong = log_sum([explained_by_wider + cost, in_pattern].into_iter());
     let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
-    let [explained_by_stated, cost] = of_prior(&DMatrix::from_diagonal(&found.stated))?;
+    let [explained_by_stated, cost] = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
     let of_stated = (1.0 - WRONG_DRAWING).ln() + cost;
     Some(DrawingEvidence {
         log_odds: wrong - of_stated - explained_by_stated,
@@ -279,8 +279,7 @@ pub(super) fn wrong_drawing(
     level: f64,
     is_known: bool,
 ) -> Option<WrongDrawing> {
-    let found = Displacements::of(robot, solution)?;
-    let tested = found.tested(robot, is_known);
+    let tested = Displacements::of(robot, solution)?.tested(robot, is_known);
     let count = tested.len() as f64;
     let with_survival = tested.into_iter().filter_map(|one| {
         let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
@@ -302,7 +301,7 @@ pub(super) fn wrong_drawing(
 fn displacements(robot: &Robot, solution: &Solution) -> Vec<Vector3<f64>> {
     let pairs = robot.cables.iter().zip(&solution.globals.entry_points);
     pairs
-        .map(|(cable, found)| Vector3::from(*found) - Vector3::from(cable.pulley.entry_point_m))
+        .map(|(cable, place)| Vector3::from(*place) - Vector3::from(cable.pulley.entry_point_m))
         .collect()
 }
 
@@ -320,10 +319,10 @@ fn worth_of_places(robot: &Robot, solution: &Solution) -> Option<f64> {
     let squares = solution.poses.iter().filter_map(|(_, pose)| {
         let states = inverse_kinematics(&identified, pose).ok()?;
         let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();
-        let found = solver.solve(&lengths, pose);
-        found
+        let solved = solver.solve(&lengths, pose);
+        solved
             .converged
-            .then(|| (found.pose.position - pose.position).norm_squared())
+            .then(|| (solved.pose.position - pose.position).norm_squared())
     });
     let squares: Vec<f64> = squares.collect();
     (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())

@@ -502,8 +502,8 @@ impl UnseenFault {
     /// The same before the readings.
     #[must_use]
     pub fn prior_odds_beyond(&self, factor: f64) -> f64 {
-        let all = self.sizes.iter();
-        all.map(|size| size.prior_odds_beyond(factor)).sum()
+        let sizes = self.sizes.iter();
+        sizes.map(|size| size.prior_odds_beyond(factor)).sum()
     }
 }
 
