@@ -24,7 +24,7 @@ pub struct EffectDocument {
     pub on: EffectTarget,
     /// Whether readings can determine the effect.
     pub can_be_estimated: bool,
-    /// Method by which a diagnosis searches for the effect.
+    /// Search of a diagnosis for the effect.
     pub diagnosed: EffectSearch,
     /// Whether only recordings in motion reveal the effect.
     pub in_motion: bool,
@@ -52,21 +52,21 @@ pub enum EffectTarget {
     Robot,
 }
 
-/// Method by which a diagnosis searches for an effect.
+/// Search of a diagnosis for an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EffectSearch {
-    /// Always.
+    /// Always, by its size.
     Always,
     /// As a wave of any phase.
     AnyPhase,
     /// As a wave of any phase and period.
     AnyPhaseAndPeriod,
-    /// From every pose on.
+    /// As a step at each pose.
     FromEveryPose,
-    /// At every single pose.
+    /// As an event at each single pose.
     AtEveryPose,
-    /// If residuals are huge.
+    /// Only if residuals are huge.
     HugeResiduals,
 }
 
@@ -83,7 +83,7 @@ pub struct EffectParameterDocument {
     pub neutral: f64,
     /// Range of sizes typical in practice.
     pub typical: [f64; 2],
-    /// By how much sound parts deviate, as a standard deviation on a small and on a large machine; null if they do not.
+    /// Deviation of sound parts, as a standard deviation on a small and on a large machine; null if they do not deviate.
     pub tolerance: Option<[f64; 2]>,
 }
 

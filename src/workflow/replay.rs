@@ -40,7 +40,7 @@ use crate::wording::units::{display_unit, quantity, significant};
 /// Smallest part of an error that is said of one cause, relative to the error of the drawing.
 const LEAST_PART: f64 = 0.05;
 
-/// Why a simulator cannot be compared with a machine.
+/// Errors of the comparison of a simulator with a machine.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The model is of another robot, or its effects do not fit.

@@ -125,7 +125,7 @@ impl DeviationsInReadings {
         changes.fold(0.0, f64::max)
     }
 
-    /// The same for the tolerances that count for a robot: those that it states, else the typical ones.
+    /// The same with the tolerances of a robot: the stated ones if there are any, otherwise the typical ones.
     #[must_use]
     pub fn of_part(&self, robot: &Robot, part: &DeviatingPart) -> f64 {
         self.largest(robot, part.effect, |cable| match &robot.tolerances {

@@ -208,7 +208,7 @@ fn add_probability(causes: &mut Vec<PossibleCause>, cause: &Cause, probability: 
     causes[index].probability += probability;
 }
 
-/// The place of a cause in a list, to which it is added if nothing there covers it.
+/// Index of a cause in a list, to which it is added unless a cause of the list covers it.
 fn place_of(causes: &mut Vec<PossibleCause>, cause: &Cause) -> usize {
     let index = causes.iter().position(|other| covers(&other.cause, cause));
     index.unwrap_or_else(|| {

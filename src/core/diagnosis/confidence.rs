@@ -139,8 +139,8 @@ pub(super) fn confirm_causes<'a>(
     })
 }
 
-/// Shares the probability of each cause with the error that may stand in its place. Returns what each cause lost to it.
-/// `rivals` are those of the last findings: exchanged channels come first and have none.
+/// Shares the probability of each cause with the error that may replace it. Returns the probability that each cause lost.
+/// `rivals` belong to the last findings: exchanged channels come first and have none.
 pub(super) fn allow_for_errors(
     findings: &mut [Finding],
     rivals: &[Option<WeighedError>],

@@ -37,7 +37,7 @@ pub(crate) struct DependenceTest {
     pub cable: Option<usize>,
     /// Axis or angle of a reading that has several.
     pub component: Option<usize>,
-    /// On what it may depend.
+    /// The tested variable.
     pub variable: Variable,
     /// `s^T I^-1 s`, in the noise as described.
     pub chi2: f64,

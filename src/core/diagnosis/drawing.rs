@@ -70,7 +70,7 @@ struct Displacements {
     estimated: DMatrix<f64>,
 }
 
-/// A pattern with the test of it.
+/// A pattern with its test.
 struct TestedPattern {
     pattern: DrawingPattern,
     /// Size with its stated variance and that of the estimate.
@@ -155,7 +155,7 @@ impl Displacements {
         on_axes.chain(of_pulleys).collect()
     }
 
-    /// The displacement of one pulley, with its size and variances in the direction of it.
+    /// The pattern of a displacement of one pulley, with size and variances along the estimated direction.
     fn of_pulley(&self, cable: usize, sign: f64) -> Option<TestedPattern> {
         let picked: Vec<usize> = (0..self.places.len())
             .filter(|k| self.places[*k].0 == cable)
@@ -305,7 +305,8 @@ fn displacements(robot: &Robot, solution: &Solution) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// By how far the platform is from where it would be by the drawing, for the lengths that it has at the poses of the data.
+/// Root mean square distance of the platform between the identified places and those of the drawing (m), for the same lengths
+/// at the poses of the data.
 fn worth_of_places(robot: &Robot, solution: &Solution) -> Option<f64> {
     let identified = solution.globals.model(robot);
     let mut drawn = identified.clone();

@@ -144,7 +144,7 @@ impl<'a> Fit<'a> {
         Rc::clone(self.deviation_columns.get_or_init(new))
     }
 
-    /// The columns of the deviations evaluated at this fit, whether or not it has those of another one.
+    /// The columns of the deviations evaluated at this fit, even if it uses those of another fit.
     pub fn own_deviation_columns(&self) -> DeviationColumns {
         DeviationColumns::new(&self.problem, &self.solution, self.model_effects())
     }

@@ -48,7 +48,7 @@ pub(super) struct Prediction {
     projector: Projector,
     /// Positions of the fitted poses by row (m).
     positions: Vec<(usize, Vector3<f64>)>,
-    /// Rows at which an event of the model acts alone; no other pose could predict it.
+    /// Rows at which an event of the model acts alone, so that no other pose can predict them.
     events: Vec<usize>,
 }
 

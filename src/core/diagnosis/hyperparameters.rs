@@ -68,17 +68,17 @@ pub(super) type Start<'s> = Option<&'s [f64]>;
 /// Estimated hyperparameters.
 pub(super) struct Estimate<'l> {
     pub hyper: Hyperparameters,
-    /// Log posterior density there.
+    /// Log posterior density at the hyperparameters.
     pub log_density: f64,
-    /// The problem reduced there.
+    /// The problem reduced at the hyperparameters.
     pub base: ReducedProblem<'l>,
 }
 
 /// Next points of the iteration.
 struct Step {
-    /// With all amplitudes that raise the density changed.
+    /// All amplitudes that raise the density are changed.
     all: Hyperparameters,
-    /// With only that of the largest gain changed.
+    /// Only the amplitude or factor with the largest gain is changed.
     strongest: Hyperparameters,
     /// Whether the change is so small that the iteration has converged.
     is_small: bool,

@@ -67,7 +67,7 @@ impl Inference<'_> {
         self.columns.select_columns(&columns)
     }
 
-    /// By what the parts scatter, in units of their tolerances: the posterior mean of the factor.
+    /// Scatter of the parts, in units of their tolerances: the posterior mean of the factor.
     pub fn tolerance_factor(&self) -> f64 {
         let base = self.linear.reduced(&self.hyper, &self.columns);
         let evidence = self.linear.factor_evidence(&base, &self.hyper);

@@ -21,8 +21,8 @@ pub(super) fn place_of(bound: &BoundEffect) -> f64 {
     place_parameter(bound.effect).map_or(f64::NAN, |k| bound.values[k])
 }
 
-/// Whether two places of an effect are the same: for waves about the same period, for steps poses that are at most
-/// `most_steps` apart. Effects without a place have the same one.
+/// Whether two places of an effect are the same: for waves about the same period, for steps poses that are at most `most_steps`
+/// apart. Effects without a place always agree.
 pub(super) fn is_same_place(effect: &Effect, one: f64, other: f64, most_steps: f64) -> bool {
     match effect.search() {
         Search::Wave {

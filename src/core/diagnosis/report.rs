@@ -442,7 +442,7 @@ pub struct SlackCable {
     pub cable: usize,
     /// Labels of the poses.
     pub poses: Vec<i64>,
-    /// By how much the cable was longer there than the distance that it spans, at least and at most (m); `None` where its force
+    /// Smallest and largest excess of the cable's length over the spanned distance at these poses (m); `None` if its force
     /// sensor tells the poses.
     pub excess_m: Option<[f64; 2]>,
     /// Log odds over the causes that explain the readings otherwise.
@@ -468,7 +468,7 @@ pub struct Invisible {
     pub smallest_visible: Option<f64>,
 }
 
-/// By what the parts of a robot scatter, in units of their tolerances.
+/// Scatter of the parts of a robot, in units of their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ToleranceFactor {
     /// Posterior mean of the factor; 0 for exact parts.
@@ -530,13 +530,13 @@ pub struct Diagnosis {
     pub sets: Vec<CauseSet>,
     /// Faults that are not among the findings, with what the readings leave of their probability.
     pub unseen: Vec<UnseenFault>,
-    /// By what the parts scatter, in units of their tolerances.
+    /// Scatter of the parts, in units of their tolerances.
     pub tolerances: ToleranceFactor,
     /// Noise that differs from the description.
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot reveal.
     pub invisible: Vec<Invisible>,
-    /// Number of effects that the instruments could read, those among them.
+    /// Number of effects that the instruments could reveal, the invisible ones included.
     pub readable: usize,
     /// Number of effects of the model whose values are held, because no reading depends on them or there is nothing to
     /// estimate. They come first in `base_solution`.

@@ -223,7 +223,7 @@ impl<'a> FoundEffect<'a> {
         }
     }
 
-    /// Number of a cable, counted from 1, if its name says no more than that.
+    /// Number of a cable, counted from 1, if its name contains nothing else.
     fn number(&self, index: usize) -> Option<String> {
         let name = self.robot.cables[index].name.to_lowercase();
         let name = name.strip_prefix("cable").unwrap_or(&name);
@@ -240,7 +240,7 @@ impl<'a> FoundEffect<'a> {
     }
 }
 
-/// In a template, what only code can fill in.
+/// Placeholder in a template for text that only code can fill in.
 pub(super) const NOT_A_FIELD: &str = "{}";
 
 /// Offset and text of the first field of a sentence that cannot be filled in, given the names of the parameters.

@@ -143,7 +143,7 @@ pub struct EffectParameter {
     pub discrete: bool,
     /// Whether a discrete parameter may be omitted and is then neutral.
     pub optional: bool,
-    /// By how much a sound part deviates; `None` for a parameter that is neutral in every sound part.
+    /// Deviation of sound parts; `None` for a parameter that is neutral in every sound part.
     pub tolerance: Option<TypicalTolerance>,
 }
 
@@ -247,7 +247,7 @@ impl EffectParameter {
 pub(crate) enum AsText {
     /// Formulas of the quantities that it changes.
     Formulas(&'static [(&'static str, &'static str)]),
-    /// Why formulas cannot express it.
+    /// Reason why formulas cannot express the effect.
     Impossible(&'static str),
 }
 

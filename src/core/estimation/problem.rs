@@ -35,7 +35,7 @@ pub enum Loss {
 pub enum Geometry {
     /// Entry points, target plane, home pose and free effects.
     Estimated,
-    /// Nothing but the errors of the tension readings at home.
+    /// Only the errors of the tension readings at home are estimated.
     Held,
 }
 
@@ -148,7 +148,7 @@ impl<'a> Problem<'a> {
         self
     }
 
-    /// The same problem with those deviations held and estimated that a solution of it has.
+    /// The same problem, with the deviations held and estimated as in a solution.
     #[must_use]
     pub fn with_deviations_of(self, solution: &Solution) -> Self {
         let held = solution

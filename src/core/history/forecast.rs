@@ -30,7 +30,7 @@ use crate::statistics::covariance_root;
 
 /// Probability of being out of tolerance at which a new calibration is due.
 pub const OUT_OF_TOLERANCE: f64 = 0.05;
-/// The farthest day that is looked at.
+/// Horizon of the forecast (days).
 const FARTHEST_DAYS: f64 = 10.0 * DAYS_PER_YEAR;
 /// Width of the interval in which a date is looked for (days).
 const EXACT_DAYS: f64 = 0.1;

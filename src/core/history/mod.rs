@@ -46,7 +46,7 @@ const LISTED: f64 = 0.05;
 pub struct DatedRun<'a> {
     /// Problem and solution.
     pub run: Identified<'a>,
-    /// When it was measured, in days from any origin.
+    /// Day of the measurement, counted from any origin.
     pub days: f64,
     /// Whether an event between the previous run and this one makes changes likely: an adjustment, a repair, a crash.
     pub follows_event: bool,

@@ -17,11 +17,12 @@ const DRIFTING: f64 = 0.1;
 const DRIFT_PER_DAY: f64 = 0.0025;
 /// Prior standard deviations of a size, over the typical one.
 pub(super) const SCALES: [f64; 6] = [0.06, 0.125, 0.25, 0.5, 1.0, 2.0];
-/// Log odds that the sessions must add to those of the prior for a change to be listed: what they do not speak for is none.
+/// Gain of the log odds over the prior that a change needs to be listed: a change for which the sessions give no evidence is
+/// not one.
 const LISTED_GAIN: f64 = 1.0;
-/// Smallest probability of the next interval at which the range of a jump is widened by it.
+/// Smallest probability of a jump in the adjacent interval at which the range of the jump is widened by that interval.
 const WIDENED: f64 = 0.01;
-/// Gain of the log evidence below which the search does not go on.
+/// Gain of the log evidence below which the search ends.
 const SMALL_GAIN: f64 = 1e-6;
 /// Most steps of the search.
 const MOST_STEPS: usize = 200;

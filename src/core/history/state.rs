@@ -22,7 +22,7 @@ struct StateNumber {
     reference: f64,
     /// Standard deviation of the neutral value of an effect in a session that does not have it; infinite for other parts.
     absent_sd: f64,
-    /// The deviation of a part within its tolerance that it is, with the first session that has it.
+    /// The deviation within its tolerance that the number stands for, with the first session that has the deviation.
     deviation: Option<(DeviationKey, usize)>,
 }
 
@@ -208,7 +208,7 @@ impl State {
         }
     }
 
-    /// The value that a number is relative to.
+    /// Reference value of a number, from which the state counts.
     pub fn reference(&self, number: usize) -> f64 {
         self.numbers[number].reference
     }
@@ -266,7 +266,7 @@ fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(RobotPart, Effec
     Some((part, number))
 }
 
-/// The part whose deviation a parameter is, with the typical size of a fault of it.
+/// The part whose deviation a parameter describes, with the typical size of a fault of the part.
 fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(RobotPart, f64)> {
     let ParameterId::Deviation {
         deviation,

@@ -107,12 +107,12 @@ pub enum PlanProgress {
         /// Number of candidates wanted.
         wanted: usize,
     },
-    /// Selecting poses one by one.
+    /// Poses are selected one by one.
     Chosen {
         /// Number of poses selected so far.
         poses: usize,
     },
-    /// Exchanging selected poses for better ones.
+    /// Selected poses are exchanged for better ones.
     Exchanged {
         /// Number of exchanges so far.
         exchanges: usize,
@@ -141,7 +141,7 @@ pub enum PlanError {
         found: usize,
         /// Number of poses wanted.
         wanted: usize,
-        /// Why the others were rejected.
+        /// Numbers of rejected candidates by reason.
         refused: Refused,
     },
     /// No tensions within the limits balance the platform at a given pose.

@@ -80,8 +80,8 @@ impl Robot {
         })
     }
 
-    /// Why it cannot be checked before a motion that tensions within their limits hold the platform, in one sentence; `None` if
-    /// it can.
+    /// Reason why it cannot be checked before a motion that tensions within their limits hold the platform, in one sentence;
+    /// `None` if it can be checked.
     #[must_use]
     pub fn unchecked_tensions(&self) -> Option<&'static str> {
         if self.platform.mass_kg.is_none() {

@@ -6,16 +6,16 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Until when is measured; in files the text of the command line, such as `accuracy=0.3mm`.
+/// Condition on which a measurement ends; in files the text of the command line, such as `accuracy=0.3mm`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "String", into = "String")]
 #[schemars(with = "String")]
 pub enum Goal {
     /// All coordinates of all entry points have standard deviations of at most this (m).
     Accuracy(f64),
-    /// It is known with this probability what is wrong, be it nothing.
+    /// The causes, or their absence, are known with this probability.
     Cause(f64),
-    /// It is known with this probability that no fault of typical size is present.
+    /// The absence of faults of typical size is known with this probability.
     FaultFree(f64),
 }
 

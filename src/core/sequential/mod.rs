@@ -56,7 +56,7 @@ const SAME: f64 = 1e-9;
 /// Options of a sequential design.
 #[derive(Debug, Clone)]
 pub struct SequentialOptions<'a> {
-    /// When to stop: all of them.
+    /// Goals, all of which have to be reached.
     pub goals: &'a [Goal],
     /// Largest number of poses, the home pose not counted.
     pub at_most: usize,
@@ -115,7 +115,7 @@ pub enum Obstacle {
     NoPoseLeft,
 }
 
-/// A decision, and what it is based on.
+/// A decision, with the assessment that it is based on.
 #[derive(Debug, Clone)]
 pub struct Decision {
     /// Next step.

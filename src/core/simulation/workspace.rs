@@ -319,8 +319,9 @@ mod tests {
         assert_eq!(Workspace::of(&posing_as_mini), hall.workspace);
     }
 
-    /// Ways sampled densely: on one that holds no tension leaves its limit by more than a tenth of the lower one, and on one that
-    /// does not, none balance the platform somewhere. Near its pulleys a suspended robot can be held higher up than amid them.
+    /// Densely sampled paths: on a feasible one no tension leaves its limit by more than a tenth of the lower limit, and on an
+    /// infeasible one no tensions balance the platform somewhere. Near its pulleys a suspended robot can be held higher up than
+    /// between them.
     #[test]
     fn a_way_holds_where_no_tension_leaves_its_limit() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

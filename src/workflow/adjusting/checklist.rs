@@ -71,8 +71,8 @@ pub struct Check {
     pub result: String,
 }
 
-/// The checklist of a session whose controller differs so from what was identified; `is_old` if the data were changed after
-/// that.
+/// The checklist of a session with these differences between controller and identified values; `is_old` if the data were
+/// changed after the identification.
 #[must_use]
 pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) -> [Check; 5] {
     let changes = differences.iter().filter(|one| one.is_writable_change());

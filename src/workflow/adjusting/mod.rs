@@ -46,7 +46,8 @@ pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// Why nothing is written, if the controller corrects an effect that would stay: one sentence without full stop.
+/// Reason why nothing is written if the controller corrects an unknown effect, which would remain: one sentence without full
+/// stop.
 #[must_use]
 pub fn refusal(differences: &[Difference]) -> Option<String> {
     let unknown = differences.iter().find(|line| line.is_unknown_effect())?;
@@ -129,7 +130,7 @@ pub fn former_values(adjustment: &Adjustment) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The old and the new values of an adjustment, for settling it.
+/// Old and new values of an adjustment, from which it can be settled.
 #[must_use]
 pub fn old_and_new(adjustment: &Adjustment) -> [Vec<(String, f64)>; 2] {
     let named = |value: fn(&ValueChange) -> f64| {

@@ -84,8 +84,8 @@ fn sized(model: &Robot, setting: &EffectSetting) -> String {
     size.map_or(title.clone(), |size| format!("{title} of {size}"))
 }
 
-/// Mean distance from the test poses of a verification at which a robot rests whose controller computes the revolutions with
-/// another model (m); `None` if it reaches none of them.
+/// Mean error of the platform at the test poses of a verification if the controller computes the revolutions with another model
+/// (m); `None` if it reaches none of the poses.
 fn error_without(model: &Robot, controller: &Robot) -> Option<f64> {
     let home = model.home?.pose();
     let range = TensionRange::of(model);

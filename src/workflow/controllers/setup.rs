@@ -168,7 +168,7 @@ impl ConnectionSetup {
         }
     }
 
-    /// The same with what a client brings along to a server that asks who it is.
+    /// The same with the credentials of the client for the server.
     #[must_use]
     pub fn with_credentials(mut self, credentials: Credentials) -> Self {
         if let Source::OpcUa(server, _) = &mut self.source {

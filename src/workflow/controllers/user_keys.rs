@@ -45,7 +45,7 @@ impl UserKeys {
         &self.passwords
     }
 
-    /// Trusts a certificate of a server from now on, in place of another one.
+    /// Trusts a certificate of a server from now on, in place of its previous one.
     ///
     /// # Errors
     /// If the list of trusted servers cannot be read or written.

@@ -269,7 +269,7 @@ impl Diagnosed {
         }
     }
 
-    /// The sentence; for an ambiguous cause with its alternatives and what would separate them.
+    /// The sentence; for an ambiguous cause with its alternatives and the measurements that would separate them.
     fn text(&self, finding: &Finding) -> String {
         let separation = finding.separation.as_ref().map(|s| s.advice.clone());
         let others = self.otherwise(finding).map(|others| {

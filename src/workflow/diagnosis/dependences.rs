@@ -46,8 +46,8 @@ pub(super) fn all_groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The dependence that revealed a finding: of its cables if it names some, on its own variable if there is one, else the
-/// strongest of the same readings; `None` without one.
+/// The dependence that revealed a finding: of its cables if it concerns some, on its own variable if there is one, otherwise
+/// the strongest of the same readings; `None` if there is no dependence of these readings.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let cables = finding.subject.cables();

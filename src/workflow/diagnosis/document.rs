@@ -46,7 +46,7 @@ pub struct DiagnosisDocument {
     pub remainder: Option<RemainderDocument>,
     /// Dependences that remain with the extended model.
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
-    /// By what the parts scatter; absent in old files, in which all parts counted as exact.
+    /// Scatter of the parts; absent in old files, in which all parts counted as exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<ToleranceFactor>,
     /// Noise that differs from robot.json.
@@ -62,7 +62,7 @@ pub struct SlackDocument {
     pub target: String,
     /// Labels of the poses.
     pub poses: Vec<i64>,
-    /// By how much the readings were too long there, at least and at most (m); null where a force sensor tells the poses.
+    /// Smallest and largest excess of the readings at these poses (m); null if a force sensor tells the poses.
     pub excess_m: Option<[f64; 2]>,
     /// Log odds over other causes; below 0 its readings are not left out.
     pub log_odds: f64,
@@ -85,7 +85,7 @@ pub struct DrawingDocument {
     pub stated_sd: f64,
     /// Displacement of each pulley (m).
     pub displacements_m: Vec<[f64; 3]>,
-    /// By how far the platform is off with the places of robot.json (m, root mean square); null where it is not determined.
+    /// Root mean square error of the platform with the places of robot.json (m); null where it is not determined.
     pub worth_m: Option<f64>,
 }
 
@@ -277,7 +277,7 @@ pub enum ErrorFormDocument {
 pub struct ParameterDocument {
     /// Name of the parameter.
     pub name: String,
-    /// Cable whose parameter it is, where each has its own.
+    /// Cable of the parameter, if each cable has its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
     /// Value (SI).

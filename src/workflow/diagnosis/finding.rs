@@ -92,7 +92,7 @@ impl Diagnosed {
         (!each.is_empty()).then(|| format!("Possible, but not established: {}.", list(&each)))
     }
 
-    /// The effects of a cause as a model takes them.
+    /// The effects of a cause as settings of a model.
     #[must_use]
     pub fn settings(&self, cause: &Cause) -> Vec<EffectSetting> {
         let instances = cause.instances.iter();

@@ -14,7 +14,7 @@ const POSES: usize = 100;
 /// Smallest part of the error of a text that is said of one cause (m), and relative to the whole.
 const LEAST_PART: [f64; 2] = [5e-5, 0.1];
 
-/// Why a model cannot be written.
+/// Errors of writing a model as a text of another program.
 #[derive(Debug, thiserror::Error)]
 pub enum DialectError {
     /// The text of the user, or a new one, cannot be read.
@@ -41,9 +41,9 @@ pub enum DialectError {
 /// A number that is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenValue {
-    /// The number in the text as it was.
+    /// The number in the original text.
     pub parameter: Parameter,
-    /// Value as it is written.
+    /// The written value.
     pub new: String,
     /// Standard deviation in the unit of the text, if it is known.
     pub sd: Option<f64>,
@@ -58,7 +58,7 @@ pub struct DialectText {
     pub text: String,
     /// The numbers that differ from those in the user's text; all in a new one.
     pub values: Vec<WrittenValue>,
-    /// Error of the user's text as it is.
+    /// Error of the original text of the user.
     pub before_m: Option<f64>,
     /// Error of the text that is written, by what it cannot express.
     pub after_m: f64,
@@ -222,7 +222,7 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// The robot of another version of the text, driven as the model is.
+    /// The robot of a changed text, with the drive of the model.
     fn robot_of(&self, text: &str) -> Result<Robot, DialectError> {
         let read = (self.dialect.read)(self.file, text)?;
         Ok(driven_as(&self.model, self.dialect, read.robot))

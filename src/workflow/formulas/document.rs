@@ -35,7 +35,7 @@ pub struct PatternDocument {
     pub parameters: Vec<ParameterDocument>,
     /// Improvement at held-out poses; null for all but the likeliest of an error.
     pub gain: Option<GainDocument>,
-    /// The text of a hypothesis file with it.
+    /// The text of a hypothesis file with the formula.
     pub hypothesis: String,
 }
 

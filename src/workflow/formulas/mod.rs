@@ -20,9 +20,9 @@ use crate::diagnosis::{Diagnosed, DiagnosisDocument, FindingDocument};
 pub use document::{FormulasDocument, PatternDocument};
 pub use grammar::{Formula, PATTERN, Reading, formulas};
 
-/// Formulas of one round that take part in the last one.
+/// Number of formulas of each part of a round that take part in the next round.
 const KEPT: usize = 12;
-/// Most formulas that are listed.
+/// Largest number of formulas that are listed.
 const LISTED: usize = 8;
 
 /// Formulas for the unexplained errors of a diagnosis.
@@ -34,7 +34,7 @@ pub struct FoundFormulas {
     pub formulas: HashMap<String, Formula>,
 }
 
-/// Kinds of readings with an error that no cause explains, or perhaps none does.
+/// Kinds of readings with an unmodelled error, as a finding or as an alternative of one.
 #[must_use]
 pub fn unexplained(diagnosed: &Diagnosed) -> Vec<Reading> {
     let mut found = Vec::new();
@@ -51,7 +51,7 @@ pub fn unexplained(diagnosed: &Diagnosed) -> Vec<Reading> {
     found
 }
 
-/// The errors that no cause explains, or perhaps none does, as sentences.
+/// Unmodelled errors, as findings or as alternatives, in sentences.
 #[must_use]
 pub fn unexplained_sentences(diagnosed: &Diagnosed) -> Vec<String> {
     let findings = diagnosed.diagnosis.findings.iter();

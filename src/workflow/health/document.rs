@@ -14,9 +14,9 @@ use crate::readiness::{CheckItem, ReadinessDocument};
 pub enum HealthVerdict {
     /// No change is visible.
     Unchanged,
-    /// Something changed with at least 95 % probability.
+    /// A change is certain, with at least 95 % probability.
     Changed,
-    /// These poses do not decide it.
+    /// These poses leave it undecided.
     Undecided,
 }
 
@@ -25,7 +25,7 @@ pub enum HealthVerdict {
 pub struct DetectableMove {
     /// Name of its cable.
     pub cable: String,
-    /// Move in a random direction that is found with 95 % probability (m); null if none is.
+    /// Move in a random direction that is detected with 95 % probability (m); null if no move is.
     pub move_m: Option<f64>,
 }
 
@@ -38,7 +38,7 @@ pub struct HealthDocument {
     pub ready: bool,
     /// Checks of the readings.
     pub checks: Vec<CheckItem>,
-    /// When the baseline was measured; null if unknown.
+    /// Time of the baseline measurement; null if unknown.
     pub baseline_time: Option<Timestamp>,
     /// Verdict on changes of the robot.
     pub verdict: HealthVerdict,

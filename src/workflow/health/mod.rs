@@ -40,7 +40,7 @@ const FOUND: f64 = 0.95;
 pub struct Baseline {
     /// Result of the identification.
     pub identification: Identification,
-    /// When its poses were read, if known.
+    /// Time of the readings, if known.
     pub time: Option<Timestamp>,
     /// Name of the session, for sentences without a date.
     pub name: String,
@@ -63,7 +63,7 @@ pub struct Checked {
     pub more_poses: Vec<Pose>,
 }
 
-/// Why a robot cannot be checked.
+/// Errors of the check of a robot.
 #[derive(Debug, thiserror::Error)]
 pub enum HealthError {
     /// The baseline or the check cannot be identified.
@@ -254,7 +254,7 @@ impl Checked {
         self.found.detection(part, move_m)
     }
 
-    /// The change that is certain by itself, if one is.
+    /// The single change that is certain, if there is one.
     #[must_use]
     pub fn certain(&self) -> Option<&Jump> {
         let mut jumps = self.found.history.jumps.iter();

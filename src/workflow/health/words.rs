@@ -9,7 +9,7 @@ use crate::wording::probability::percent;
 use crate::wording::sentence;
 use crate::wording::units::{mm, quantity};
 
-/// Most changes that are listed where it is open which one it is.
+/// Largest number of alternatives that are listed for a change.
 const LISTED: usize = 4;
 
 /// Result of a check in sentences, the verdict first.

@@ -27,7 +27,7 @@ pub struct HistoryDocument {
 pub struct HistorySession {
     /// Name of its file or folder.
     pub path: String,
-    /// When its poses were read; null if unknown.
+    /// Time of the readings; null if unknown.
     pub time: Option<Timestamp>,
     /// Entry points with all sessions taken into account (m), cable by cable; null for coordinates that are known exactly.
     pub entry_points_m: Vec<[Option<f64>; 3]>,
@@ -96,7 +96,7 @@ fn targets_of(part: &RobotPart, robot: &Robot) -> Vec<String> {
     }
 }
 
-/// Effect and parameter of a part that is one.
+/// Effect and parameter of a part; `None` for pulleys and the target plane.
 fn effect_of(part: &RobotPart) -> (Option<String>, Option<String>) {
     match part {
         RobotPart::Effect {

@@ -93,7 +93,7 @@ pub struct RecordedSession {
     pub path: PathBuf,
     /// Name of the file or folder without extension.
     pub name: String,
-    /// When its poses were read, if known.
+    /// Time of the readings, if known.
     pub time: Option<Timestamp>,
     /// Result of the identification.
     pub identification: Identification,
@@ -169,7 +169,7 @@ pub enum RecordError {
     },
 }
 
-/// The life of a robot and what is expected of it.
+/// History of a robot with its forecast.
 #[derive(Debug, Clone)]
 pub struct RobotHistory {
     /// States, jumps and drifts.
@@ -193,8 +193,7 @@ impl RobotHistory {
             .any(|probability| probability >= CERTAIN)
     }
 
-    /// Changes the tolerance, on which the date of the next calibration depends. `record` is the one whose history it is.
-    ///
+    /// Changes the tolerance, on which the date of the next calibration depends. `record` must be the one of this history.
     /// # Errors
     /// One sentence without its end, if the position error of the platform cannot be predicted.
     pub fn set_tolerance(
@@ -439,7 +438,7 @@ pub fn is_record(path: &Path) -> bool {
     path.is_dir() && !is_own(path).unwrap_or(false) && holds()
 }
 
-/// Who wrote values to the controller last, else who accepted the robot.
+/// Operator who last wrote values to the controller, or else accepted the robot.
 fn operator(session: &Session) -> Option<String> {
     let wrote = session.adjustments().last().map(|last| &last.operator);
     let accepted = session.verifications().iter().rev();

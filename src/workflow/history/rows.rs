@@ -11,9 +11,9 @@ use crate::identification::FitVerdict;
 pub struct RecordRow {
     /// Name of its file or folder.
     pub name: String,
-    /// When its poses were read, if known.
+    /// Time of the readings, if known.
     pub time: Option<Timestamp>,
-    /// Who wrote values to the controller or accepted the robot in it.
+    /// Operator who wrote values to the controller or accepted the robot in the session.
     pub operator: Option<String>,
     /// Number of its poses.
     pub poses: usize,

@@ -109,7 +109,7 @@ fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &RobotPart, axes: &
     )
 }
 
-/// When to calibrate again.
+/// Sentence on the date of the next calibration.
 fn due_sentence(forecast: &Forecast, tolerance: Tolerance, last: Timestamp) -> String {
     let limit = quantity(tolerance.limit_m(), "m");
     let of_whom = match tolerance {
@@ -196,7 +196,8 @@ pub fn changes(record: &RobotRecord, found: &RobotHistory) -> Vec<String> {
     told
 }
 
-/// When to calibrate again after the session of a file or folder; `None` if it is not in the record. The date follows the last session.
+/// Sentence on the next calibration after the session of a file or folder; `None` if it is not in the record. The date follows
+/// the last session.
 #[must_use]
 pub fn next_calibration_after(
     record: &RobotRecord,
@@ -220,7 +221,7 @@ pub fn next_calibration_after(
     }))
 }
 
-/// When to calibrate again; `None` if the sessions have no dates.
+/// Sentence on the next calibration; `None` if the sessions have no dates.
 #[must_use]
 pub fn next_calibration(record: &RobotRecord, found: &RobotHistory) -> Option<String> {
     let last = record.sessions.last()?.time?;

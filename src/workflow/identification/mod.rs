@@ -201,7 +201,7 @@ impl Identification {
     /// Rejects the identification if a measured elongation had to be extrapolated.
     ///
     /// # Errors
-    /// If it had to be.
+    /// If a measured elongation had to be extrapolated.
     pub fn refuse_extrapolation(self) -> Result<Self, IdentificationError> {
         match self.extrapolation() {
             None => Ok(self),

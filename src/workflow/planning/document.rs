@@ -20,7 +20,7 @@ pub struct PlanDocument {
     pub candidates: usize,
     /// Number of poses drawn, and of those rejected.
     pub refused: Refused,
-    /// Why it cannot be checked whether the cables can hold the platform, in one sentence; null if it is checked.
+    /// Reason why it cannot be checked whether the cables can hold the platform, in one sentence; null if it is checked.
     #[serde(default)]
     pub unchecked_tensions: Option<String>,
     /// Travel distance through all poses, rotations counted at the platform's anchors (m).
@@ -57,9 +57,9 @@ pub struct PlanDocument {
 pub struct DetectionDocument {
     /// Name of its cable.
     pub cable: String,
-    /// Move in a random direction that is found with 95 % probability (m); null if none is.
+    /// Move in a random direction that is detected with 95 % probability (m); null if no move is.
     pub move_m: Option<f64>,
-    /// Probability that the move that was asked for is found; null if none was.
+    /// Probability of detecting the requested move; null without one.
     pub probability: Option<f64>,
 }
 

@@ -25,11 +25,11 @@ const CHARACTER: f32 = 0.55;
 /// An entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegendEntry {
-    /// Its rectangle.
+    /// Rectangle of the entry.
     pub rect: Rect,
-    /// Its text.
+    /// Text as shown.
     pub text: String,
-    /// Name of what it stands for.
+    /// Name of the series, curve or columns.
     pub name: String,
     sign: Sign,
     cable: Option<usize>,

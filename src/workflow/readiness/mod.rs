@@ -35,7 +35,7 @@ pub enum CheckOutcome {
     Pass,
     /// Passed, but limits what can be concluded from the readings.
     Notice,
-    /// Something must be done first.
+    /// A fault must be removed first.
     Fail,
     /// Could not be evaluated.
     NotEvaluated,

@@ -20,7 +20,7 @@ pub struct Sample {
     pub session: PathBuf,
     /// Whether the sample is the record of a robot.
     pub is_record: bool,
-    /// When it was measured, and its robot.
+    /// Time of the measurement, and the robot.
     pub facts: String,
     /// A small picture of its robot, see [`outline`].
     pub outline: Vec<[i16; 4]>,

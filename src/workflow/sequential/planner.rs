@@ -22,7 +22,7 @@ use crate::identification::IdentificationRequest;
 pub struct SequentialPlanner {
     questions: Sender<Question>,
     answers: Receiver<Result<Decision, String>>,
-    /// Number of questions without an answer; only the last one is waited for.
+    /// Number of unanswered questions; all answers but the last one are discarded.
     unanswered: usize,
 }
 

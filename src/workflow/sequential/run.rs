@@ -8,7 +8,7 @@ use tautline_session::{PlannedPose, Session};
 use super::wording::{end_in_words, reason_in_words};
 use super::{DecidedPose, SequentialPlanner, UntilDocument, UntilRequest};
 
-/// A measuring run whose poses are decided on one by one: its decisions, and what they led to.
+/// A measuring run with a decision before each pose: its decisions and their results.
 #[derive(Debug)]
 pub struct SequentialRun {
     goals: Vec<Goal>,
@@ -29,7 +29,7 @@ pub struct ChosenPose {
     pub label: i64,
     /// Pose to command.
     pub pose: Pose,
-    /// Why this one, in words.
+    /// Reason for the choice, in words.
     pub reason: String,
 }
 
@@ -62,7 +62,7 @@ impl SequentialRun {
         })
     }
 
-    /// When it stops: all of them.
+    /// Goals, all of which have to be reached.
     #[must_use]
     pub fn goals(&self) -> &[Goal] {
         &self.goals

@@ -7,7 +7,7 @@ use tautline_core::sequential::{Assessment, FIRST_POSES, Goal, NextStep, Obstacl
 use crate::diagnosis::cause_title;
 use crate::wording::{count, first_lower, list, units};
 
-/// Why a pose was chosen, to be put after its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.
+/// Reason why a pose was chosen, to follow its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.
 #[must_use]
 pub fn reason_in_words(robot: &Robot, reason: &Reason) -> String {
     match reason {
@@ -45,7 +45,7 @@ fn goal_in_words(goal: Goal) -> String {
     }
 }
 
-/// Why a run ended, to be put after what it has measured; `None` of a step that does not end it.
+/// Reason why a run ended, to follow the measured poses; `None` for a step that does not end it.
 #[must_use]
 pub fn end_in_words(step: &NextStep) -> Option<&'static str> {
     match step {

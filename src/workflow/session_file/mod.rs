@@ -37,13 +37,13 @@ const DAMAGED: &str = "damaged-";
 /// Errors of working on a session file.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// It cannot be locked.
+    /// The file cannot be locked.
     #[error(transparent)]
     Lock(#[from] LockError),
     /// The unsaved data of a killed program cannot be read.

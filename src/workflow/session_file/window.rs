@@ -23,7 +23,7 @@ fn mark_of(windows: &Path, session: &Path) -> PathBuf {
     windows.join(Fingerprint::of(target.to_string_lossy().as_bytes()).to_hex())
 }
 
-/// When a file was made that is locked by another program.
+/// Modification time of a file that another program has locked.
 fn made(mark: &Path) -> Timestamp {
     let modified = fs::metadata(mark).and_then(|found| found.modified());
     let since = modified.unwrap_or_else(|_| SystemTime::now());

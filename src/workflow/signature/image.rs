@@ -71,7 +71,7 @@ pub(super) fn strengths<K: Ord>(
     groups
 }
 
-/// Place of a kind of reading among all, to sort by.
+/// Index of a kind of reading in the order of all kinds.
 pub(super) fn order(quantity: Quantity) -> usize {
     let mut all = Quantity::ALL.into_iter();
     all.position(|other| other == quantity).unwrap_or_default()
@@ -85,7 +85,7 @@ pub(super) struct Abscissa<'a> {
 }
 
 impl<'a> Abscissa<'a> {
-    /// That of an effect for the readings of some groups: its own variable if all of them have it.
+    /// The abscissa of an effect for the readings of some groups: its own variable if all of them have it.
     pub fn of(fit: &'a Identification, effect: &Effect, groups: &[Group]) -> Self {
         let mut abscissa = Self {
             fit,

@@ -35,7 +35,7 @@ pub struct Placement {
     pub setting: EffectSetting,
     /// Its identified size with standard deviations.
     pub size: String,
-    /// Chi-square of the readings without and with it.
+    /// Chi-square of the readings without and with the hypothesis.
     pub chi2: [f64; 2],
     /// Residuals without it, and what it explains of them, where that is most.
     pub images: Vec<Image>,

@@ -20,7 +20,7 @@ pub struct NotAsText {
 
 impl Effect {
     /// The text of a hypothesis file with the same physics, parameters and priors, in sentences about a robot like this one;
-    /// its identifier begins with `my_`. The text of a hypothesis is its own.
+    /// its identifier begins with `my_`. For a hypothesis, its own text.
     ///
     /// # Errors
     /// If formulas cannot express it.

@@ -10,7 +10,7 @@ fn mini() -> Robot {
     presets::find("mini").unwrap().robot
 }
 
-/// A robot whose cables read lengths and are called by where they are.
+/// A robot whose cables read lengths and are named after their corners.
 fn absolute() -> Robot {
     let mut robot = mini();
     robot.home = None;

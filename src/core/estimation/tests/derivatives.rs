@@ -181,7 +181,7 @@ fn check_in_state(traits: Traits, moves: bool) {
     }
 }
 
-/// The home row: its lengths, and the other rows there.
+/// Checks the home row: the lengths and the other rows.
 fn check_home(problem: &Problem<'_>, globals: &Globals, evaluator: &mut Evaluator<'_, f64>) {
     let parameters = problem.parameters();
     let mut at =
