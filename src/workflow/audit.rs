@@ -25,7 +25,8 @@ pub fn system_user() -> String {
     found.find(|name| !name.is_empty()).unwrap_or_default()
 }
 
-/// Joins what is new in a session to an entry of its trail, by the `operator`, or the user of the system if that is empty.
+/// Adds a new entry with all unrecorded data of a session to its trail, by the `operator`, or the user of the system if that is
+/// empty.
 pub fn seal(session: &mut Session, operator: &str) {
     let user = system_user();
     let author = TrailAuthor {
@@ -89,7 +90,7 @@ pub struct AuditDocument {
     /// Sentences on the records that the trail covers and on those that it does not.
     #[serde(default)]
     pub covers: String,
-    /// Labels of the poses that are in no entry: those of earlier versions, and those that such a version imported.
+    /// Labels of the poses that are in no entry: poses of earlier versions, and poses that such a version imported.
     pub uncovered_poses: Vec<i64>,
     /// Labels of the poses that were imported, or not recorded when they were measured.
     #[serde(default)]

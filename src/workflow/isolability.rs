@@ -1,4 +1,4 @@
-//! Isolability of faults: which faults poses reveal and which of them look alike. A public format, a table and its sentences.
+//! Isolability of faults: the faults that poses reveal, and those that look alike. A public format, a table and its sentences.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ impl IsolabilityDocument {
         Ok(Self::new(&dataset.robot, &found))
     }
 
-    /// The same if all parts were exactly as described: what the poses alone would reveal.
+    /// The same if all parts were exactly as described: the isolability by the poses alone.
     ///
     /// # Errors
     /// If the readings cannot be used with the robot.

@@ -491,7 +491,7 @@ fn without_places(model: &Robot, drawing: &Robot) -> Vec<(String, Robot)> {
     all.map(|(name, robot)| (name.to_owned(), robot)).collect()
 }
 
-/// Root mean square of the numbers that are finite, with how many they are; `None` if there are none.
+/// Root mean square of the finite numbers, and their count; `None` if there are none.
 fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
     let (square_sum, count) = values
         .filter(|value| value.is_finite())

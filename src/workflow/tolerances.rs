@@ -1,4 +1,4 @@
-//! Tolerances of the parts of a robot for people: typical values in the units of the screen, and what they are worth.
+//! Tolerances of the parts of a robot for display: typical values in display units, and their influence on the readings.
 
 use tautline_core::diagnosis::{DeviationSensitivity, deviation_sensitivities};
 use tautline_core::effect::{Effect, EffectParameter, MachineClass, every_effect};

@@ -85,7 +85,7 @@ fn probabilities_are_corrected_as_by_hand() {
     assert!(holm(&[]).is_empty());
 }
 
-/// Number of so many pairs of runs of one robot that are called different, and the mean of their chi-square.
+/// Number of pairs of runs of one robot, out of `pairs`, that are called different, and the mean of their chi-square.
 fn differences_of_pairs(truth: &Robot, pairs: u64) -> (usize, f64) {
     let (mut different, mut chi2) = (0, 0.0);
     for pair in 0..pairs {

@@ -1,4 +1,4 @@
-//! Limits of the work of a diagnosis and of its arithmetic. Wider ones would cost time and hardly change an answer.
+//! Limits of the work of a diagnosis and of its arithmetic. Wider limits would cost time and hardly change a result.
 
 use crate::measurement::MostRows;
 
@@ -75,9 +75,9 @@ pub(super) const LARGEST_SHARE_OF_SLACK: f64 = 0.4;
 pub(super) const MAX_SLACK_CABLES: usize = 2;
 /// Maximum number of poses at which a cable without a force sensor can be found slack.
 pub(super) const MAX_SLACK_POSES: usize = 40;
-/// Redundancy below which the residual of a length says nothing about the noise.
+/// Redundancy below which the residual of a length does not determine the noise.
 pub(super) const MIN_REDUNDANCY_OF_NOISE: f64 = 0.05;
-/// Redundancy below which a length says nothing about whether its cable is slack.
+/// Redundancy below which a length does not show whether its cable is slack.
 pub(super) const MIN_REDUNDANCY_OF_SLACK: f64 = 0.01;
 /// Smallest decrease of chi-square for which a pose counts as one at which a cable may be slack.
 pub(super) const MIN_RELIEF: f64 = 6.0;
@@ -117,7 +117,7 @@ pub(super) const MIN_VARIANCE_STEP: f64 = 0.1;
 pub(super) const MIN_FREEDOM: f64 = 2.0;
 /// Minimum number of cables for deciding that one of them differs from the others.
 pub(super) const MIN_CABLES: usize = 3;
-/// Redundancy below which the residual of a reading says nothing about its error.
+/// Redundancy below which the residual of a reading does not show its error.
 pub(super) const MIN_REDUNDANCY_OF_TAILS: f64 = 0.1;
 /// Share of its prior standard deviation from which on a component of a wrong reading is not determined.
 pub(super) const UNDETERMINED: f64 = 0.5;

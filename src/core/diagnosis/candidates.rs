@@ -109,7 +109,7 @@ impl Candidate {
         is_same_kind(self.effect(), other.effect()) && (self.is_family() || other.is_family())
     }
 
-    /// The cause with the parameters that an estimate of its coordinates stands for.
+    /// The cause with the parameter values that correspond to an estimate of its coordinates.
     pub fn estimated(&self, estimate: &[f64]) -> Cause {
         let mut cause = self.cause.clone();
         let mut numbers = estimate.iter().copied();

@@ -1,4 +1,4 @@
-//! The drawing as a hypothesis: pulleys that are farther from where the description states them than it says.
+//! The drawing as a hypothesis: pulleys that deviate from their described places by more than the stated uncertainty.
 //!
 //! Every fit estimates the places, so that a wrong drawing needs no extension of the model, but it is a finding. With the stated
 //! covariance `S` and that of the estimate `C`, the estimated displacement `d` of a right drawing has the covariance `S - C`. Some
@@ -45,8 +45,8 @@ pub struct WrongDrawing {
     pub stated_sd: f64,
     /// Displacement of each pulley from the drawing (m).
     pub displacements_m: Vec<Vector3<f64>>,
-    /// Root mean square distance of the platform from where it would be by the drawing, at the poses of the data (m); `None` where
-    /// lengths alone do not determine its pose.
+    /// Root mean square distance of the platform between the identified places and those of the drawing, at the poses of the
+    /// data (m); `None` where lengths alone do not determine its pose.
     pub worth_m: Option<f64>,
 }
 
@@ -115,7 +115,7 @@ impl Displacements {
         [weights.dot(&self.values), stated, estimated]
     }
 
-    /// All patterns of which the readings say something. An estimated displacement from a right drawing has the covariance `S - C`, or
+    /// All patterns that the readings determine. An estimated displacement from a right drawing has the covariance `S - C`, or
     /// `S + C` if it was estimated with wider places, which hardly draw it to the stated ones.
     fn tested(&self, robot: &Robot, is_wider: bool) -> Vec<TestedPattern> {
         let sign = if is_wider { 1.0 } else { -1.0 };
@@ -168,7 +168,7 @@ impl Displacements {
         let least = MIN_KNOWN_SHARE * stated.max();
         let estimated = self.estimated.select_rows(&picked).select_columns(&picked);
         let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) + estimated * sign);
-        // The readings say nothing of the other directions.
+        // The other directions are not determined by the readings.
         let axes = spread
             .eigenvalues
             .iter()

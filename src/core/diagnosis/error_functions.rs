@@ -41,7 +41,7 @@ impl ErrorForm {
     }
 }
 
-/// Readings that may share an error: of one kind and cable, or of one kind and all cables alike.
+/// Readings that may share an error: those of one kind and cable, or those of one kind on all cables.
 pub(super) struct ErrorTarget {
     pub id: ReadingId,
     /// Standard deviation of the readings as described (SI units).

@@ -62,7 +62,7 @@ pub(super) fn usual_variance(dataset: &Dataset, factor: f64) -> Result<f64, Esti
     Ok((middle.zip(of_noise)).map_or(1.0, |(middle, of_noise)| (middle / of_noise).max(1.0)))
 }
 
-/// A dataset whose description states so many times the variance of lengths and positions.
+/// A dataset whose description states a multiple of the variance of lengths and positions.
 pub(super) fn with_variance(dataset: &Dataset, variance: f64) -> Dataset {
     let mut noisier = dataset.clone();
     let factor = variance.sqrt();

@@ -52,7 +52,7 @@ impl Hyperparameters {
 /// The linear problem without candidate causes.
 pub(super) struct LinearProblem {
     pub conditions: Conditions,
-    /// Residuals as conditions, minus what the causes of the fit explain.
+    /// Residuals as conditions, minus the contributions of the causes of the fit.
     pub residual: DVector<f64>,
     /// Derivatives with respect to the parameters that are always estimated.
     pub fixed: DMatrix<f64>,

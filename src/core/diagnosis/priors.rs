@@ -3,7 +3,7 @@
 /// A number for each kind of target of an effect on cables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TargetShares {
-    /// One cable, whichever.
+    /// One cable, any of them.
     pub one: f64,
     /// All cables with a common value.
     pub all_alike: f64,

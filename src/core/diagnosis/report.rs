@@ -195,7 +195,7 @@ pub enum ErrorForm {
 }
 
 impl ErrorForm {
-    /// The variable on which it depends; `None` if there are several or none.
+    /// The variable of the function; `None` if there are several or none.
     #[must_use]
     pub fn variable(self) -> Option<Variable> {
         match self {
@@ -208,7 +208,7 @@ impl ErrorForm {
 /// An error of some readings that no effect of the catalogue explains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnmodelledError {
-    /// The readings; no cable if they belong to none, or if those of all cables have the error alike.
+    /// The readings; no cable if they belong to none, or if the readings of all cables have the same error.
     pub readings: ReadingId,
     /// Form of the error, with the variable that it depends on.
     pub form: ErrorForm,
@@ -528,7 +528,7 @@ pub struct Diagnosis {
     pub possible: Vec<PossibleCause>,
     /// The sets of causes that the search compared, most probable first; exchanged channels are undone before.
     pub sets: Vec<CauseSet>,
-    /// Faults that are not among the findings, with what the readings leave of their probability.
+    /// Faults that are not among the findings, with their posterior probabilities.
     pub unseen: Vec<UnseenFault>,
     /// Scatter of the parts, in units of their tolerances.
     pub tolerances: ToleranceFactor,

@@ -1,4 +1,4 @@
-//! One effect by itself, without rivals: where and at which size it would explain the readings best.
+//! One effect without rivals: the target, pose or period and size at which it would explain the readings best.
 
 use super::evidence::{Member, best_scale};
 use super::fit::Fit;

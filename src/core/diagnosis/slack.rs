@@ -28,7 +28,7 @@ use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use crate::statistics::log_sum;
 
-/// A slack cable with what is left when its readings are left out.
+/// A slack cable, and the dataset without its readings at the slack poses.
 pub(super) struct WithoutSlack {
     pub slack: SlackCable,
     pub dataset: Dataset,
@@ -164,8 +164,8 @@ fn slack_of(
     Ok(best)
 }
 
-/// Log probability of a set of slack poses among those possible: with equal odds an unknown share of poses, whichever, or an unknown
-/// number of runs of successive poses, which lie close together as the region of low tension does.
+/// Log probability of a set of slack poses among those possible: with equal odds any set with an unknown share of the poses, or
+/// an unknown number of runs of successive poses, which lie close together as the region of low tension does.
 fn log_share_of(rows: &[usize], possible: &[usize]) -> f64 {
     let size = possible.len() as u64;
     let is_slack = |row: &usize| rows.contains(row);

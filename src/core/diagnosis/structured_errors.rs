@@ -31,7 +31,7 @@ use crate::statistics::log_sum;
 /// An error of a given form in some readings.
 #[derive(Debug, Clone)]
 pub(super) struct StructuredError {
-    /// The readings; no cable if all cables have the error alike.
+    /// The readings; no cable if the readings of all cables have the same error.
     pub id: ReadingId,
     pub form: ErrorForm,
     /// Log posterior odds.

@@ -214,7 +214,7 @@ impl EffectParameter {
         }
     }
 
-    /// States by how much sound parts deviate, as standard deviations for small and for large machines.
+    /// States the deviation of sound parts, as standard deviations for small and for large machines.
     #[must_use]
     pub const fn with_tolerance(self, [small, large]: [f64; 2], source: &'static str) -> Self {
         Self {
@@ -284,7 +284,7 @@ pub struct Delays {
     pub tracker: f64,
 }
 
-/// Texts for an effect that all cables have at once, each with values of its own, where it is something else than on one cable.
+/// Texts for an effect that all cables have at once, each with its own values, if the cause is then another than for one cable.
 #[derive(Debug, Clone, Copy)]
 pub struct OnEachCable {
     /// Plain title.

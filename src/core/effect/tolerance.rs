@@ -1,4 +1,4 @@
-//! Typical tolerances: by how much the parts of a sound machine deviate from its drawing.
+//! Typical tolerances: deviations of the parts of a sound machine from its drawing.
 
 use crate::robot::Robot;
 

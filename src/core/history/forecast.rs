@@ -1,4 +1,4 @@
-//! When the robot should be calibrated again.
+//! Forecast of the date at which the robot should be calibrated again.
 //!
 //! A controller that keeps the values `p` of the last session has at the day `t` after it the error
 //!
@@ -11,8 +11,8 @@
 //!
 //! The probability of being out of tolerance is that of simulated futures. A drift is present with its posterior probability. Jumps
 //! have a rate with the posterior `Gamma(1 + n, 1 / r + T)`, for `n` jumps in `T` years and `r` of them expected per year: that of a
-//! Poisson process with an exponential prior. Their sizes have the prior of the search. How far the date depends on what is not known
-//! of drifts and of the rate of jumps is its interval: that of the dates for rates drawn from their posterior.
+//! Poisson process with an exponential prior. Their sizes have the prior of the search. The interval of the date shows its
+//! dependence on the uncertain rates of drifts and jumps: it is that of the dates for rates drawn from their posterior.
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 use rand::{Rng, RngExt, SeedableRng};

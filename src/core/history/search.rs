@@ -284,8 +284,8 @@ impl<'a> Search<'a> {
         set.conditional(self.timeline, course, &numbers).1
     }
 
-    /// Jumps and drifts that are listed. A jump of the best set whose session is open is stated for the range of sessions in
-    /// which it happened with near certainty.
+    /// Jumps and drifts that are listed. A jump of the best set whose interval is uncertain is stated for the range of sessions
+    /// in which it happened with near certainty.
     fn changes(&self, mut left: Vec<f64>) -> (Vec<Jump>, Vec<Drift>) {
         let mut jumps = Vec::new();
         let mut drifts = Vec::new();
@@ -329,8 +329,8 @@ impl<'a> Search<'a> {
         (jumps, drifts)
     }
 
-    /// The shortest range of sessions around a jump within which it is nearly certain, with its probability. What it takes from
-    /// neighbouring intervals is no other jump.
+    /// The shortest range of sessions around a jump within which the jump is nearly certain, with its probability. The
+    /// probability that it takes from neighbouring intervals does not count as another jump.
     fn range_of(&self, part: usize, after: usize, left: &mut [f64]) -> ([usize; 2], f64) {
         let change = |after: usize| Change {
             part,

@@ -102,7 +102,7 @@ impl Timeline {
         self.information[power][from].select_columns(numbers)
     }
 
-    /// Information between two changes, each of its own numbers.
+    /// Information between two changes, with rows and columns for the numbers of each.
     pub fn between(
         &self,
         (one, rows): (Course, &[usize]),

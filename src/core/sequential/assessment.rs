@@ -26,8 +26,8 @@ pub struct Assessment {
     pub poses: usize,
     /// Largest standard deviation of a coordinate of an entry point (m); `None` while the readings do not determine it.
     pub largest_sd_m: Option<f64>,
-    /// Probability that the findings are what is wrong and nothing else is: the product of their stated probabilities and of
-    /// [`Self::no_further_fault`]. Zero if one of them is ambiguous or has no name.
+    /// Probability that exactly the findings are present: the product of their stated probabilities and of
+    /// [`Self::no_further_fault`]. Zero if a finding is ambiguous or has no name.
     pub explained: f64,
     /// Probability that no fault of the size of interest is present beside the findings, of those that the instruments can show.
     pub no_further_fault: f64,
@@ -173,7 +173,7 @@ impl<'d> UnseenOfInterest<'d> {
         self.raised * probability / (1.0 - probability.min(1.0))
     }
 
-    /// Probability that a cause is of the size of interest if it is present: that of its instance for which it is largest.
+    /// Probability that a cause is of the size of interest if it is present: the largest over its instances.
     fn share_of_interest(&self, cause: &Cause) -> f64 {
         let of = self
             .faults

@@ -36,8 +36,8 @@ use choice::{Hypotheses, best, gains_of_accuracy, largest_sd_m, worst_cable};
 
 /// Default of the largest number of poses.
 pub const AT_MOST: usize = 60;
-/// Number of poses, home not counted, that are measured before anything is decided: fewer hardly determine a robot of eight cables
-/// beside its faults.
+/// Number of poses, home not counted, that are measured before the first decision: fewer hardly determine both the geometry of
+/// a robot of eight cables and its faults.
 pub const FIRST_POSES: usize = 8;
 /// Number of poses from which the first ones are selected.
 const FIRST_CANDIDATES: usize = 400;

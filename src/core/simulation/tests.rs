@@ -1,4 +1,4 @@
-//! Recordings in motion against what was hidden in them.
+//! Recordings in motion against the effects hidden in them.
 
 use super::{Recording, Simulated, SimulationError, SimulationOptions, record, simulate};
 use crate::effect::{EffectRequest, EffectSetting};

@@ -1,11 +1,11 @@
-//! The readings that show a cause best, over the variable on which it depends: their partial residuals, and what the cause
-//! explains of them.
+//! The readings that show a cause best, over the variable on which it depends: their partial residuals, and the contribution of
+//! the cause.
 //!
-//! A partial residual is that of the model with the cause, plus what the cause contributes to the prediction, with its sign
+//! A partial residual is that of the model with the cause, plus the contribution of the cause to the prediction, with its sign
 //! reversed (Larsen and McCleary 1972). Geometry, poses and all other causes stay as they were estimated with the cause: a fit
-//! without it would move them and hide part of it. Only tensions, which belong to a single pose, are found again. Where the
-//! contribution depends on more than the variable, as creep on the length, its average over them is put back, so that the
-//! points scatter about the line of the cause as the residuals do about zero.
+//! without it would move them and hide part of it. Only tensions, which belong to a single pose, are estimated again. Where the
+//! contribution depends on more than the variable, as creep on the length, its average over the other variables is put back, so
+//! that the points scatter about the line of the cause as the residuals do about zero.
 
 use tautline_core::diagnosis::{Cause, Finding, Quantity, Subject, UnmodelledError, Variables};
 use tautline_core::effect::{BoundEffect, Search};
@@ -113,7 +113,7 @@ fn variable_of(
     all.find_map(|variable| Some((variable, variables.values(quantity, cable, variable)?)))
 }
 
-/// A reading with a cause, and what the cause explains of it (standard deviations).
+/// A reading with a cause, and the contribution of the cause to it (standard deviations).
 struct ExplainedReading {
     quantity: Quantity,
     cable: Option<usize>,

@@ -1,5 +1,5 @@
-//! Mistakes in the readings that a check finds, undone before a diagnosis: no linear comparison of causes finds what is wrong by
-//! a factor of two or by a whole turn.
+//! Mistakes in the readings that a check finds, undone before a diagnosis: the linear comparison of causes cannot find errors
+//! by a factor of two or by a whole turn.
 
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::measurement::Dataset;

@@ -1,4 +1,4 @@
-//! A model as a text of another program, and how much of the model the text expresses.
+//! A model as a text of another program, and the error of the text.
 
 use tautline_core::kinematics::{LengthBreakdownError, effective_geometry};
 use tautline_core::projection::ExpectedLengths;
@@ -60,13 +60,13 @@ pub struct DialectText {
     pub values: Vec<WrittenValue>,
     /// Error of the original text of the user.
     pub before_m: Option<f64>,
-    /// Error of the text that is written, by what it cannot express.
+    /// Error of the written text: the part of the model that it cannot express.
     pub after_m: f64,
     /// Standard deviation of the position of the model itself, if it was identified from measurements.
     pub model_sd_m: Option<f64>,
     /// Effects that the text cannot express, each with its part of the error, largest first.
     pub inexpressible: Vec<(String, f64)>,
-    /// Effects of the model of which a text of geometry has only what they change at home.
+    /// Effects of which the text has only the change of the geometry at home.
     pub at_home_only: Vec<String>,
     /// Whether the standard deviations of the model are valid; they are too small if the model does not explain the readings.
     pub sd_holds: bool,
@@ -81,7 +81,7 @@ impl DialectText {
         changed.map(|(new, _)| format!("{new}\n")).collect()
     }
 
-    /// Expected errors and what the text cannot express, in sentences.
+    /// Sentences on expected errors and effects that the text cannot express.
     #[must_use]
     pub fn loss_in_words(&self) -> String {
         let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);

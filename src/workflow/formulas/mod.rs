@@ -98,7 +98,7 @@ pub fn find_formulas(
             let diagnosed = with(before, some, observe)?;
             best.extend(ranked(&diagnosed, some).into_iter().take(KEPT));
         }
-        // Fewer in each round, whatever is kept of each part.
+        // Guarantees that each round has fewer formulas.
         if best.len() >= round.len() {
             best.truncate(room);
         }

@@ -29,8 +29,8 @@ const MORE_POSES: usize = 2;
 /// about the place that baseline and check together give. The comparison is linear, so that both must be solved near the same
 /// place; it takes the prior out again.
 const PRESENT_SD_M: [f64; 2] = [10e-3, 2e-3];
-/// Most samples that are used of a recording in motion: with many more than the poses of a baseline, what the linear comparison
-/// neglects would exceed the noise.
+/// Largest number of samples that are used of a recording in motion: with many more than the poses of a baseline, the errors of
+/// the linear comparison would exceed the noise.
 const MOST_SAMPLES: usize = 60;
 /// Probability with which a stated detectable move is found.
 const FOUND: f64 = 0.95;
@@ -148,8 +148,8 @@ impl Baseline {
             .map(|bound| bound.setting(robot))
             .collect();
         let mut checked = self.checked(&expected, &effects, time)?;
-        // The tolerance of a part holds the fit back from a change beyond it, and the comparison is linear: what is certain is
-        // estimated freely.
+        // The tolerance of a part prevents the fit from following a change beyond it, and the comparison is linear: a certain
+        // change is estimated freely.
         if let Some(effect) = checked.certain_effect() {
             let effects = [effects, vec![effect.clone()]].concat();
             let freed = self.checked(&expected, &effects, time)?;

@@ -17,11 +17,11 @@ const LOOKS: [(Ink, Marker); 3] = [
     (Ink::Text, Marker::Triangle),
 ];
 
-/// The coordinates of a part over time by all sessions together, less those of the last session, with 95 % bands; of effects the
-/// parameter itself. Points are what each session says of a pulley by itself, with one standard deviation.
+/// The coordinates of a part over time from all sessions together, less those of the last session, with 95 % bands; for effects
+/// the parameter itself. Points are the results of each session alone for a pulley, with one standard deviation.
 ///
-/// Ranges in which a jump happened are marked: strongly where it is certain. Lines are interrupted there. Dashed lines are events,
-/// such as values that were written to the controller. Pulleys have the tolerance besides.
+/// Ranges in which a jump happened are marked: strongly where it is certain. Lines are interrupted there. Dashed lines are
+/// events, such as values that were written to the controller. For pulleys, the tolerance is shown as well.
 #[must_use]
 pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
     let history = &found.history;

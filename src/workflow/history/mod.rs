@@ -34,8 +34,8 @@ pub use rows::{RecordRow, pulleys_csv, rows};
 use words::unit_of;
 pub use words::{changes, next_calibration, next_calibration_after, part_name, size_of_jump};
 
-/// Largest displacement of a pulley that is tolerable if nothing else is said (m): more than what is not known of the pulleys of a
-/// small robot after one calibration of the usual number of poses, so that a first record has a date.
+/// Default tolerance: largest tolerable displacement of a pulley (m). It is larger than the uncertainty of the pulleys of a
+/// small robot after one calibration with the usual number of poses, so that a first record has a date.
 pub const TOLERANCE_M: f64 = 10e-3;
 
 /// Position error of the platform that is tolerable if nothing else is said (m).

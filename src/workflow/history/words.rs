@@ -76,7 +76,7 @@ pub fn size_of_jump(jump: &Jump, part: &RobotPart, axes: &[usize]) -> String {
     size(jump.size.as_slice(), &sds, axes, unit_of(part))
 }
 
-/// One jump: what moved, between which sessions, how certainly, by how much.
+/// Sentence on one jump: part, sessions, probability and size.
 fn change_sentence(record: &RobotRecord, jump: &Jump, part: &RobotPart, axes: &[usize]) -> String {
     let [before, after] = jump.between.map(|k| record.sessions[k].name.as_str());
     let name = part_name(part, record.robot());

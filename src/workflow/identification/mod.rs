@@ -87,7 +87,7 @@ pub struct Identification {
     pub analysis: Analysis,
     /// Suspect readings grouped by pose, the worst pose first.
     pub suspects: Vec<Vec<Observation>>,
-    /// Rank defects: what the readings leave undetermined.
+    /// Rank defects: parameters that the readings leave undetermined.
     pub open: Vec<RankDefect>,
     /// The robot with the identified values and their standard deviations.
     pub model: Robot,

@@ -66,7 +66,7 @@ pub struct DetectionDocument {
 /// Expected position error of the platform if the home pose is measured more often.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomeGainDocument {
-    /// Number of measurements as a multiple of the present ones; null: so many that it is known exactly.
+    /// Number of measurements as a multiple of the present ones; null if the home pose is known exactly.
     pub times: Option<usize>,
     /// I-criterion: root mean square position error of the platform over the workspace (m).
     pub platform_m: Option<f64>,

@@ -490,7 +490,7 @@ impl<'a> Points<'a> {
 }
 
 impl LegendEntry {
-    /// Paints the entry: symbol and text; pale if what it stands for is hidden.
+    /// Paints the entry: symbol and text; pale if its series is hidden.
     pub fn draw(
         &self,
         canvas: &mut dyn Canvas,

@@ -142,7 +142,7 @@ pub fn check(dataset: &Dataset, table: Option<&PoseLines>, with_faults: bool) ->
     }
 }
 
-/// The check of the readings alone, of a dataset that need not determine its geometry by itself.
+/// The check of the readings alone, for a dataset that need not determine its geometry.
 #[must_use]
 pub fn readings_readiness(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument {
     let checks = check_readings(dataset, table);
@@ -162,7 +162,7 @@ pub fn check_readings(dataset: &Dataset, table: Option<&PoseLines>) -> Vec<Check
     vec![complete(dataset, &said), plausible(dataset, &found, &said)]
 }
 
-/// A first fit, which shows what the readings determine.
+/// A first fit, which shows the parameters that the readings determine.
 enum Fitted {
     At(Box<Solution>, Vec<String>),
     Not(String),
@@ -243,7 +243,7 @@ fn not_asked() -> CheckItem {
         .with("To see which faults these poses reveal, add --explain.")
 }
 
-/// `of_exact_parts` is what the poses would reveal if all parts were exact, where most faults are hidden.
+/// The check of the detectable faults; `of_exact_parts` has those for exact parts, needed if most faults are hidden.
 fn faults(
     isolability: Option<&IsolabilityDocument>,
     of_exact_parts: Option<&IsolabilityDocument>,

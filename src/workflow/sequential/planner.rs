@@ -1,4 +1,4 @@
-//! Decisions in a thread of their own, so that the robot goes on being watched.
+//! Decisions in a separate thread, so that the robot remains supervised.
 
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
@@ -107,7 +107,7 @@ impl SequentialPlanner {
         })
     }
 
-    /// Asks for the next step after the measured poses of a session, instead of what was asked before; `excluded` are poses that
+    /// Asks for the next step after the measured poses of a session; an earlier question is dropped. `excluded` are poses that
     /// could not be measured.
     pub fn ask(&mut self, session: &Session, excluded: &[Pose]) {
         let measured = session.dataset().measurements;

@@ -98,7 +98,7 @@ impl SequentialRun {
         end_in_words(&self.last.as_ref()?.step)
     }
 
-    /// Goals, decisions and what they led to, as a document.
+    /// Goals, decisions and results as a document.
     #[must_use]
     pub fn document(&self, robot: &Robot) -> UntilDocument {
         UntilDocument::of(robot, &self.goals, self.last.as_ref(), self.poses.clone())

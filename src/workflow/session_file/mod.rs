@@ -106,7 +106,7 @@ pub struct SessionFile {
     lock: FileLock,
 }
 
-/// Recovers what a killed command left beside a session file; returns notices about it, also if a command is still
+/// Recovers the unsaved data of a killed command beside a session file; returns notices about them, also if a command is still
 /// working on the session.
 pub fn recover_unsaved(path: &Path) -> Vec<String> {
     let mut notices = Vec::new();
@@ -284,7 +284,7 @@ impl SessionFile {
 }
 
 impl SessionFile {
-    /// Adds what a later state of the session has in its log, such as why each pose was chosen.
+    /// Adds log entries of a later state of the session, such as the reasons for the choice of poses.
     fn take_log(&mut self, later: &Session) {
         let known = self.session.log().len();
         if later.log().get(..known) == Some(self.session.log()) {

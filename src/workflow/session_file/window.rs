@@ -16,7 +16,7 @@ pub struct OpenWindow {
     file: File,
 }
 
-/// The mark of a session file, by whatever path it is opened.
+/// The mark of a session file, the same for every path that leads to the file.
 fn mark_of(windows: &Path, session: &Path) -> PathBuf {
     let target = link_target(session);
     let target = fs::canonicalize(&target).unwrap_or(target);

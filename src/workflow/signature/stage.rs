@@ -43,7 +43,7 @@ impl Stage {
     /// If the robot can be held nowhere.
     pub fn new(robot: &Robot, poses: &[Pose]) -> Result<Self, SimulationError> {
         let mut robot = robot.clone();
-        // Tolerances would hide a part of what is to be seen.
+        // Tolerances would hide part of the effect.
         robot.tolerances = None;
         robot.deviations.clear();
         let drawn = SimulationOptions {

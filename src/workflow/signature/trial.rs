@@ -1,4 +1,4 @@
-//! A hypothesis in measured readings, by itself: where it fits best, and which part of the residuals it explains.
+//! A hypothesis alone in measured readings: the target where it fits best, and the part of the residuals that it explains.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ pub struct Placement {
     pub size: String,
     /// Chi-square of the readings without and with the hypothesis.
     pub chi2: [f64; 2],
-    /// Residuals without it, and what it explains of them, where that is most.
+    /// Residuals without the hypothesis, and its contribution to them, for the readings where that is largest.
     pub images: Vec<Image>,
 }
 

@@ -193,7 +193,7 @@ impl Trial<'_> {
         Ok(())
     }
 
-    /// Slopes by a parameter at every result; 0 where it has no finite value.
+    /// Slopes by a parameter at every result; 0 without a finite value.
     fn slopes(&self, values: &[f64], parameter: usize) -> Vec<f64> {
         let results = self.results(values, Some(parameter)).into_iter();
         results

@@ -1,4 +1,4 @@
-//! Hypothesis files: the keys, their values and what they may be.
+//! Hypothesis files: the keys and their permitted values.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

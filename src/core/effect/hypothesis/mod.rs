@@ -117,8 +117,8 @@ impl Hypothesis {
         self.definition.prior
     }
 
-    /// The effect. The same text is always the same effect, so that effects can be compared by address; what it takes
-    /// of memory stays taken, as what the catalogue takes.
+    /// The effect. The same text is always the same effect, so that effects can be compared by address; its memory is never
+    /// freed, like that of the catalogue.
     #[must_use]
     pub fn effect(&self) -> &'static Effect {
         let mut effects = EFFECTS.lock().unwrap_or_else(PoisonError::into_inner);

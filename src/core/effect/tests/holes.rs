@@ -127,7 +127,7 @@ fn largest_error(setting: &EffectSetting, solution: &Solution) -> Option<f64> {
     Some(largest)
 }
 
-/// Empties every pattern of cells of a run with each effect hidden; returns how many fits found it.
+/// Empties every pattern of cells of a run with each effect hidden; returns the number of fits that found the effect.
 fn check_holes(robot: &Robot, ids: impl Iterator<Item = &'static str>) -> usize {
     let mut checked = 0;
     for setting in ids.map(typical) {

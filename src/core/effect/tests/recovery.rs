@@ -71,7 +71,7 @@ pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     }
 }
 
-/// Frees what was hidden and compares, with this relative tolerance.
+/// Frees the hidden effect and compares its values, with this relative tolerance.
 pub(super) fn check_run(
     run: &Simulated,
     settings: &[EffectSetting],

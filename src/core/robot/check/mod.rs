@@ -33,7 +33,7 @@ pub struct FieldError {
 type Checked = Result<(), FieldError>;
 
 impl Robot {
-    /// Checks everything that a description can get wrong by itself.
+    /// Checks a description for all errors that can be found without measurements.
     ///
     /// # Errors
     /// The first invalid field.
