@@ -22,15 +22,16 @@ pub struct ValuesRead<'a> {
     pub parameters: &'a [ParameterInfo],
 }
 
-/// Keeps the values at the start of a run. A run that was not compared yet ends; the sentence names what changed during it.
+/// Records the values at the start of a run. A run that was not compared yet ends; the sentence names the values that changed
+/// during it.
 pub fn begin_run(session: &mut Session, read: ValuesRead<'_>, now: Timestamp) -> Option<String> {
     let before = end_run(session, read, None, now);
     session.begin_run(read.controller, held(read.parameters), now);
     before
 }
 
-/// Compares the values with those at the start of the run that was not compared yet, if there is one, and marks its poses if
-/// values changed, with the `pending` one that the session does not have yet; the sentence names them.
+/// Compares the values with those at the start of the run that was not compared yet, if there is one. If values changed, marks
+/// its poses, together with the `pending` pose that the session does not have yet; the sentence names the changes.
 pub fn end_run(
     session: &mut Session,
     read: ValuesRead<'_>,

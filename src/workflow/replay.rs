@@ -37,7 +37,7 @@ use crate::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use crate::wording::sentence;
 use crate::wording::units::{display_unit, quantity, significant};
 
-/// Smallest part of an error that is said of one cause, relative to the error of the drawing.
+/// Smallest part of an error that is attributed to one cause, relative to the error of the drawing.
 const LEAST_PART: f64 = 0.05;
 
 /// Errors of the comparison of a simulator with a machine.

@@ -133,7 +133,7 @@ fn a_moved_pulley_is_found_as_precisely_as_on_exact_parts() {
 
 #[test]
 fn one_moved_pulley_is_found_and_only_that() {
-    // Another pulley is called moved besides with a probability of 5 % at most per run: none of 5 runs here.
+    // Another pulley is called moved as well with a probability of 5 % at most per run: none in 5 runs here.
     let truth = true_robot("mini");
     let mut changed = truth.clone();
     changed.cables[2].pulley.entry_point_m[0] += 0.01;

@@ -175,8 +175,8 @@ pub(super) fn add_alternative(finding: &mut Finding, subject: Subject, probabili
     finding.alternatives.push(alternative);
 }
 
-/// Turns the computed probabilities of the findings into stated ones; a name has no alternatives. `posteriors` are those of
-/// the last findings, `of_errors` what each finding lost to errors.
+/// Turns the computed probabilities of the findings into stated ones; a named cause has no alternatives. `posteriors` belong to
+/// the last findings, `of_errors` has the probability that each finding lost to errors.
 pub(super) fn state_probabilities(
     findings: &mut [Finding],
     inference: &Inference<'_>,

@@ -1,12 +1,12 @@
-//! Deviations of the parts within their tolerances, which every set of causes has beside it.
+//! Deviations of the parts within their tolerances, which are in the model beside every set of causes.
 //!
-//! The deviation of each part has the prior standard deviation `kappa t` with its tolerance `t` and a factor `kappa` common
-//! to all parts, which the readings determine. Its derivative is one more column that is eliminated from all conditions,
-//! so that a cause is what lies outside the tolerances: its own column enters a second time with the variance of a fault.
+//! The deviation of each part has the prior standard deviation `kappa t` with its tolerance `t` and a factor `kappa` common to
+//! all parts, which the readings determine. Its derivative is one more column that is eliminated from all conditions, so that a
+//! cause is a deviation beyond the tolerances: its own column enters a second time with the variance of a fault.
 //!
-//! Of the hundred or so columns only combinations matter that readings can show. With the columns `D` of tolerances and
-//! the projection `P` of the parameters that are always estimated, the eigenvectors of `D^T P D` are combinations with
-//! independent priors of the same variance; those of small eigenvalues are left out.
+//! Of the hundred or so columns only combinations matter that affect the readings. With the columns `D` of tolerances and the
+//! projection `P` of the parameters that are always estimated, the eigenvectors of `D^T P D` are combinations with independent
+//! priors of the same variance; those of small eigenvalues are left out.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 

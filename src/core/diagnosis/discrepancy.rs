@@ -43,7 +43,7 @@ pub(crate) struct DependenceTest {
     pub chi2: f64,
     /// Rank of `I`.
     pub rank: usize,
-    /// Variance of what is left over that of the noise as described; 1 where the difference is not significant.
+    /// Variance of the remaining residuals over that of the noise as described; 1 where the difference is not significant.
     pub noise_factor: f64,
     /// Probability without a dependence, not corrected.
     pub p_value: f64,

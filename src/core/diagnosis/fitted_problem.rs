@@ -10,8 +10,8 @@ use crate::measurement::Dataset;
 use crate::robot::{PartTolerances, PerAxis, Robot};
 use crate::statistics::chi_square_quantile;
 
-/// The robot with the tolerances that a diagnosis assumes: no machine is exact, so what is not stated is typical. The
-/// deviations that a model states are estimated anew.
+/// The robot with the tolerances that a diagnosis assumes: no machine is exact, so unstated tolerances are the typical ones.
+/// The deviations that a model states are estimated anew.
 pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
     let mut robot = robot.clone();
     robot.deviations.clear();

@@ -487,7 +487,7 @@ pub struct UnseenFault {
 }
 
 impl UnseenFault {
-    /// Posterior odds that it is present with at least `factor` times its typical size, against nothing beside what was found.
+    /// Posterior odds that the fault is present with at least `factor` times its typical size, against the findings alone.
     #[must_use]
     pub fn odds_beyond(&self, factor: f64) -> f64 {
         self.sizes.iter().map(|size| size.odds_beyond(factor)).sum()

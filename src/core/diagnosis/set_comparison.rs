@@ -1,5 +1,5 @@
-//! Selects the sets of one linearisation that deserve a full nonlinear fit, and corrects the others by what those fits
-//! show.
+//! Selects the sets of one linearisation that deserve a full nonlinear fit, and corrects the evidence of the others by the
+//! results of those fits.
 //!
 //! The linear comparison of sets is exact near the fit at which it is made. The larger a cause, the more a full fit
 //! changes the evidence of a set in which another cause replaces it. The change found for one set is applied to the

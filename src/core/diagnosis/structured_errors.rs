@@ -227,8 +227,8 @@ impl<'l> ErrorSearch<'l> {
         columns
     }
 
-    /// Scores the families of the eligible targets and keeps the best of each target. With `beyond`, only what exceeds
-    /// the explanation by a constant alone counts.
+    /// Scores the families of the eligible targets and keeps the best of each target. With `beyond`, the part that a constant
+    /// alone explains does not count.
     fn ranked(
         &self,
         fit: &Estimate<'_>,

@@ -35,7 +35,7 @@ pub(super) struct UnmodelledErrors {
 }
 
 impl UnmodelledErrors {
-    /// Compares errors with the causes of a fit; `None` if `go_on`, which is asked before each comparison, says no.
+    /// Compares errors with the causes of a fit; `None` if `go_on`, which is called before each comparison, returns false.
     pub fn new(inference: &Inference<'_>, go_on: &mut dyn FnMut() -> bool) -> Option<Self> {
         if !go_on() {
             return None;

@@ -142,7 +142,8 @@ impl State {
             .map(|(_, first)| *first)
     }
 
-    /// Adds a deviation to what may change. Numbers of one effect on one cable, such as the two phases of a wave, are one part.
+    /// Adds a deviation to the parts that may change. Numbers of one effect on one cable, such as the two phases of a wave, are
+    /// one part.
     fn follow_deviation(
         &mut self,
         run: &Identified<'_>,
@@ -294,8 +295,8 @@ pub(super) struct SessionInformation {
     pub moment: DVector<f64>,
 }
 
-/// The information of a session. Its unknowns that are not in the state are eliminated, and a common motion of all parts but in
-/// the first session. `None` if its data do not determine what is eliminated.
+/// The information of a session. Its unknowns that are not in the state are eliminated, as is a common motion of all parts
+/// except in the first session. `None` if its data do not determine the eliminated unknowns.
 pub(super) fn session_information(
     state: &State,
     run: &Identified<'_>,

@@ -29,7 +29,7 @@ pub struct Assessment {
     /// Probability that exactly the findings are present: the product of their stated probabilities and of
     /// [`Self::no_further_fault`]. Zero if a finding is ambiguous or has no name.
     pub explained: f64,
-    /// Probability that no fault of the size of interest is present beside the findings, of those that the instruments can show.
+    /// Probability that no fault of the size of interest that the instruments can show is present beside the findings.
     pub no_further_fault: f64,
     /// The findings.
     pub findings: Vec<Finding>,
@@ -107,9 +107,8 @@ impl Assessment {
 }
 
 /// Faults of the size of interest that may be present beside the findings.
-///
-/// The prior of the diagnosis expects [`EXPECTED_CAUSES`] of any size, shown or not. Here as many are expected that are of the size of
-/// interest and can be shown: a robot that is asked for them has no fewer because its instruments are few.
+/// The prior of the diagnosis expects [`EXPECTED_CAUSES`] of any size, shown or not. Here the same number is expected of faults
+/// that are of the size of interest and can be shown: a robot does not have fewer of them because it has few instruments.
 struct UnseenOfInterest<'d> {
     /// Faults with their sizes of interest.
     faults: Vec<(&'d UnseenFault, &'d FaultOfInterest)>,

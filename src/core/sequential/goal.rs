@@ -19,8 +19,8 @@ pub enum Goal {
     FaultFree(f64),
 }
 
-/// Range of the probabilities that can be asked for: below, nothing would be known; above, errors outside the catalogue, which may
-/// look like a cause, leave too much doubt.
+/// Range of permitted probabilities: below, a statement would be worthless; above, errors outside the catalogue, which may look
+/// like a cause, leave too much doubt.
 pub const PROBABILITIES: [f64; 2] = [0.5, 0.98];
 
 const EXPECTED: &str = "expected accuracy=0.3mm, cause=95% or fault-free=95%";

@@ -1,13 +1,13 @@
-//! Sequential design of a measurement: after every pose, whether the goals are reached, and else which pose to measure next.
+//! Sequential design of a measurement: after every pose, either all goals are reached or the next pose is chosen.
 //!
-//! [`SequentialDesign::next`] is a function of the measured poses alone, so a measurement that was interrupted goes on with the
-//! same decisions. After the first poses, which a plan for the whole geometry provides, the pose is chosen that most reduces what
-//! is left of the goals for its time; `choice.rs` has the criterion. The run ends when all goals are reached, when no pose of the
-//! workspace brings one of them closer, or at a number of poses.
+//! [`SequentialDesign::next`] is a function of the measured poses alone, so an interrupted measurement continues with the same
+//! decisions. After the first poses, which a plan for the whole geometry provides, the pose is chosen that brings the goals
+//! closest per unit of time; `choice.rs` has the criterion. The run ends when all goals are reached, when no pose of the
+//! workspace brings one of them closer, or at the largest number of poses.
 //!
-//! Nothing is decided on a fixed level of a test: the probabilities are posterior ones, which a stopping rule does not change if the
-//! prior is right (Berger and Wolpert, The Likelihood Principle, 1988). That the stated ones remain calibrated at the stop is validated
-//! by simulation.
+//! No decision uses a fixed level of a test: the probabilities are posterior ones, which a stopping rule does not change if the
+//! prior is right (Berger and Wolpert, The Likelihood Principle, 1988). The calibration of the stated probabilities at the stop
+//! is validated by simulation.
 
 mod assessment;
 mod choice;

@@ -28,7 +28,7 @@ pub struct AdjustmentDocument {
     /// Names of the values that a roll-back does not restore, because they were not numbers before.
     #[serde(default)]
     pub not_restored: Vec<String>,
-    /// Summary of the outcome, and what to do next.
+    /// Summary of the outcome, and the next step.
     pub text: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Effects of a model that a controller cannot hold, and what that costs.
+//! Effects of a model that a controller cannot hold, and the resulting position error.
 
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;

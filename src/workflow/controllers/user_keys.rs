@@ -32,7 +32,7 @@ impl UserKeys {
         }
     }
 
-    /// The same with passwords elsewhere.
+    /// The same with another store of passwords.
     #[must_use]
     pub fn with_passwords(mut self, passwords: Arc<dyn PasswordStore>) -> Self {
         self.passwords = passwords;

@@ -6,7 +6,7 @@ use super::Diagnosed;
 use crate::wording::units::{mm, significant, with_sd};
 use crate::wording::{list, sentence};
 
-/// Odds from which nothing else is said to be possible: those of a name.
+/// Odds above which no other possibility is mentioned: those of a named cause.
 const CERTAIN_ODDS: f64 = 19.0;
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -9,7 +9,7 @@ use tautline_import::{Mistake, Suggestion, check_table};
 const ROUNDS: usize = 5;
 /// Effect of a model that states exchanged channels.
 const EXCHANGED: &str = "cable_swap";
-/// Effects that estimate what an alignment leaves of another frame and of another point on the platform.
+/// Effects that estimate the remaining error of an alignment: of the frame and of the point on the platform.
 const OF_ALIGNMENT: [&str; 3] = ["tracker_frame", "tracker_target", "tracker_tilt"];
 
 /// A dataset with the mistakes undone, and these; `None` if there are none.

@@ -1,4 +1,4 @@
-//! The verdict on a model, its noise and what remains unexplained, in words.
+//! The verdict on a model, its noise and the unexplained dependences, in words.
 
 use tautline_core::diagnosis::{Adequacy, GlobalTest, NoiseStatement, Quantity, ToleranceFactor};
 

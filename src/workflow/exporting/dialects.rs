@@ -11,7 +11,7 @@ use crate::identification::{FitVerdict, Identification, effects_title, without_e
 
 /// Number of poses of the workspace at which model and text are compared.
 const POSES: usize = 100;
-/// Smallest part of the error of a text that is said of one cause (m), and relative to the whole.
+/// Smallest part of the error of a text that is attributed to one cause (m), and relative to the whole.
 const LEAST_PART: [f64; 2] = [5e-5, 0.1];
 
 /// Errors of writing a model as a text of another program.

@@ -48,7 +48,7 @@ pub struct HealthDocument {
     pub changes: Vec<Changed>,
     /// The smallest moves that this check finds.
     pub detectable: Vec<DetectableMove>,
-    /// Positions (m) and orientations (w, x, y, z) of poses to measure besides, if it is undecided.
+    /// Positions (m) and orientations (w, x, y, z) of further poses to measure, if the check is undecided.
     pub more_poses: Vec<([f64; 3], [f64; 4])>,
 }
 

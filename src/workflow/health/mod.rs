@@ -21,13 +21,13 @@ use crate::identification::{
 pub use document::{DetectableMove, HealthDocument, HealthVerdict};
 pub use words::verdict_sentences;
 
-/// Number of poses of a check if nothing else is said.
+/// Default number of poses of a check.
 pub const POSES: usize = 8;
 /// Number of poses that are proposed where a check is undecided.
 const MORE_POSES: usize = 2;
-/// Prior standard deviations of a coordinate of a pulley in the fits of the check (m): first wider than what one moves by, then
-/// about the place that baseline and check together give. The comparison is linear, so that both must be solved near the same
-/// place; it takes the prior out again.
+/// Prior standard deviations of a coordinate of a pulley in the fits of the check (m): first wider than usual moves, then
+/// around the place estimated from baseline and check together. The comparison is linear, so that both must be solved near the
+/// same place; it removes the prior again.
 const PRESENT_SD_M: [f64; 2] = [10e-3, 2e-3];
 /// Largest number of samples that are used of a recording in motion: with many more than the poses of a baseline, the errors of
 /// the linear comparison would exceed the noise.
@@ -59,7 +59,7 @@ pub struct Checked {
     pub verdict: HealthVerdict,
     /// The smallest move of each pulley that would have been found, in the order of the cables.
     pub detectable: Vec<DetectableMove>,
-    /// Poses to measure besides, if it is undecided.
+    /// Further poses to measure, if the check is undecided.
     pub more_poses: Vec<Pose>,
 }
 

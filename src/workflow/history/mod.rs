@@ -38,7 +38,7 @@ pub use words::{changes, next_calibration, next_calibration_after, part_name, si
 /// small robot after one calibration with the usual number of poses, so that a first record has a date.
 pub const TOLERANCE_M: f64 = 10e-3;
 
-/// Position error of the platform that is tolerable if nothing else is said (m).
+/// Default tolerance of the position of the platform (m).
 pub const POSITION_TOLERANCE_M: f64 = 1e-3;
 
 /// Quantity with a tolerance until the next calibration.
@@ -211,8 +211,8 @@ impl RobotHistory {
 }
 
 impl RobotRecord {
-    /// Reads and identifies all sessions and dataset folders in a folder. They are in the order of the times when their poses were
-    /// read or, if one has none, of their names. `observe` is told the number of sessions that are read and of all, and may stop.
+    /// Reads and identifies all sessions and dataset folders in a folder, in the order of the times of their readings or, if
+    /// one has none, of their names. `observe` gets the number of sessions that are read and of all, and may stop.
     ///
     /// # Errors
     /// If a session cannot be read or identified, or is of another robot than the first one; or if it was stopped.

@@ -93,7 +93,7 @@ fn change_sentence(record: &RobotRecord, jump: &Jump, part: &RobotPart, axes: &[
     )
 }
 
-/// One drift: what drifts, how certainly, how fast.
+/// Sentence on one drift: part, probability and rate.
 fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &RobotPart, axes: &[usize]) -> String {
     let robot = record.robot();
     let rate = &drift.rate * DAYS_PER_MONTH;

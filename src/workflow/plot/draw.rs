@@ -114,7 +114,7 @@ pub fn right_margin(figure: &Figure, width: &dyn Fn(&str) -> f32) -> f32 {
 #[must_use]
 pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<LegendEntry> {
     let left = width(&figure.y.title()) + 4.0 * GRID;
-    // In a low plot the data take precedence: what has no room is left out, bands and curves before cables.
+    // In a low plot the data take precedence: legend entries without room are left out, bands and curves before cables.
     let room = (LEGEND * whole.height()).max(2.0 * (TEXT + GRID));
     let whole = whole.with_max_y(whole.min.y + room);
     // Many cables are identified by their numbers only, which leaves more room for the data.

@@ -33,7 +33,7 @@ pub const PLAUSIBLE: &str = "plausible";
 pub enum CheckOutcome {
     /// Passed.
     Pass,
-    /// Passed, but limits what can be concluded from the readings.
+    /// Passed, but limits the conclusions from the readings.
     Notice,
     /// A fault must be removed first.
     Fail,
@@ -102,8 +102,8 @@ impl CheckItem {
     }
 }
 
-/// Checks a dataset with its raw measurements; `table` is the one that they were read from. Which faults the poses reveal takes
-/// seconds, so that it is evaluated only if asked for.
+/// Checks a dataset with its raw measurements; `table` is the one that they were read from. The faults that the poses reveal
+/// take seconds, so they are evaluated only on request.
 #[must_use]
 pub fn check(dataset: &Dataset, table: Option<&PoseLines>, with_faults: bool) -> ReadinessDocument {
     let found = check_table(&dataset.measurements, &dataset.robot);

@@ -15,7 +15,7 @@ use tautline_session::Session;
 use super::UntilRequest;
 use crate::identification::IdentificationRequest;
 
-/// Decides on the next pose while the robot goes on being watched.
+/// Decides on the next pose while the robot remains supervised.
 ///
 /// The thread ends with this value, after the decision in progress.
 #[derive(Debug)]
@@ -86,8 +86,8 @@ impl Prepared {
 }
 
 impl SequentialPlanner {
-    /// Starts the thread for the robot of a session, which begins with what does not depend on readings; it calls `wake` after
-    /// every decision.
+    /// Starts the thread for the robot of a session, which begins with computations that do not depend on readings; it calls
+    /// `wake` after every decision.
     ///
     /// # Errors
     /// One sentence, if the session cannot be identified at all.

@@ -120,8 +120,7 @@ pub fn recover_unsaved(path: &Path) -> Vec<String> {
 }
 
 impl SessionFile {
-    /// Reads a session for a command that changes it, including what an earlier command left unsaved. Notices go to
-    /// `notify`.
+    /// Reads a session for a command that changes it, including unsaved data of an earlier command. Notices go to `notify`.
     ///
     /// # Errors
     /// If the file is missing, or cannot be read, locked or updated.

@@ -41,8 +41,8 @@ pub(super) fn effects(robot: &Robot) -> impl Iterator<Item = &'static Effect> + 
 }
 
 impl Gallery {
-    /// Plays every effect on a robot, at the given poses if it can hold them. `observe` is told the number of effects that are done
-    /// and of all, and may stop: then there is no gallery.
+    /// Simulates every effect on a robot, at the given poses if it can hold them. `observe` gets the number of effects that are
+    /// done and of all, and may stop: then there is no gallery.
     ///
     /// # Errors
     /// If the robot can be held nowhere.

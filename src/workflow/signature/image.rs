@@ -77,7 +77,7 @@ pub(super) fn order(quantity: Quantity) -> usize {
     all.position(|other| other == quantity).unwrap_or_default()
 }
 
-/// Over what readings are drawn: the variable on which an effect depends, or the poses.
+/// Abscissa of the readings: the variable on which an effect depends, or the poses.
 pub(super) struct Abscissa<'a> {
     fit: &'a Identification,
     variable: Option<Variable>,

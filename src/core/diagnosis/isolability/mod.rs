@@ -97,7 +97,7 @@ impl Isolability {
     }
 }
 
-/// Predicts what the poses of a dataset would reveal. The values of its readings do not matter, only which readings
+/// Predicts the faults that the poses of a dataset would reveal. The values of its readings do not matter, only which readings
 /// there are at which poses.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ mod texts;
 
 use super::CATALOGUE;
 
-/// The identifiers of the project's table of effects, `unknown` excepted: it is what no effect explains.
+/// The identifiers of the project's table of effects except `unknown`, which stands for errors that no effect explains.
 const TABLE: [&str; 36] = [
     "winch_scale",
     "winch_scale_common",

@@ -52,7 +52,7 @@ fn hide_in(robot: &Robot, settings: &[EffectSetting], geometry: TrueGeometry) ->
     simulate(robot, &options).unwrap()
 }
 
-/// A request for the effect that was hidden; what is given is given, as is the start of a period.
+/// A request for the hidden effect; given parameters keep their values, and a period starts 2 % off its value.
 pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     let effect = find(&setting.effect).unwrap();
     let given = effect.parameters().iter().filter_map(|p| {

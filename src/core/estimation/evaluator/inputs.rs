@@ -133,9 +133,9 @@ fn nominal_cable_ports(
     CablePorts::nominal(cable, paid, tension)
 }
 
-/// Derivative of a port with respect to the reading behind it, at one row; its slope is that by the `chosen`
-/// parameter. Every effect that acts on a reading scales it or adds to it. The noise belongs to the reading, so what
-/// scales a reading scales its noise: otherwise, shrinking the readings would seem to improve the fit.
+/// Derivative of a port with respect to the reading behind it, at one row; its slope is that by the `chosen` parameter. Every
+/// effect that acts on a reading scales it or adds to it. A factor on a reading applies to its noise, too: otherwise, shrinking
+/// the readings would seem to improve the fit.
 fn reading_gain(
     problem: &Problem<'_>,
     globals: &Globals,
