@@ -73,7 +73,7 @@ impl Catalogue {
         builder.add_shared(|effect| {
             let hypothesis = hypotheses
                 .iter()
-                .find(|(known, _)| std::ptr::eq(*known, effect));
+                .find(|(one, _)| std::ptr::eq(*one, effect));
             hypothesis.map_or(each, |(_, expected)| *expected)
         });
         builder.build()
@@ -590,11 +590,9 @@ fn choices_of_several(count: usize, cables: usize) -> f64 {
     (cables - 2).max(1) as f64 * binomial(cables, count)
 }
 
-/// Binomial coefficient: number of ways to choose `some` of `of`.
-fn binomial(of: usize, some: usize) -> f64 {
-    (0..some)
-        .map(|k| (of - k) as f64 / (k + 1) as f64)
-        .product()
+/// Binomial coefficient: number of ways to choose `k` of `n`.
+fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product()
 }
 
 /// Weight of a wave at a value of its variable.

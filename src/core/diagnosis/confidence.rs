@@ -147,9 +147,7 @@ pub(super) fn allow_for_errors(
 ) -> Vec<f64> {
     let first = findings.len() - rivals.len();
     let lost = |(index, finding): (usize, &mut Finding)| {
-        let rival = index
-            .checked_sub(first)
-            .and_then(|own| rivals[own].as_ref());
+        let rival = index.checked_sub(first).and_then(|k| rivals[k].as_ref());
         let lost = rival.map_or(0.0, |rival| finding.probability * rival.probability());
         finding.probability -= lost;
         add_error(finding, rival.map(|rival| rival.error.clone()), lost);

@@ -97,10 +97,12 @@ pub(super) fn linearised(
 ) -> (Linearisation, DMatrix<f64>) {
     let mut problem = problem.clone();
     let mut solution = solution.clone();
-    let found = &solution.globals.deviations;
+    let estimated = &solution.globals.deviations;
     let present = deviations.iter().map(|deviation| {
-        let found = found.iter().find(|found| deviation.is_estimated_by(found));
-        found.unwrap_or(&deviation.bound).clone()
+        let estimated = estimated
+            .iter()
+            .find(|estimated| deviation.is_estimated_by(estimated));
+        estimated.unwrap_or(&deviation.bound).clone()
     });
     solution.globals.deviations = present.collect();
     problem.held_deviations.clear();

@@ -99,7 +99,7 @@ pub(crate) fn dependence_tests(
             let Some(by_row) = variables.values(id.quantity, id.cable, variable) else {
                 continue;
             };
-            let value = |row: &usize| space.measured[*row].map_or(f64::NAN, |at| by_row[at]);
+            let value = |row: &usize| space.measured[*row].map_or(f64::NAN, |index| by_row[index]);
             let rows = readings.described.rows.iter().copied();
             let finite: Vec<usize> = rows.filter(|row| value(row).is_finite()).collect();
             let values: Vec<f64> = finite.iter().map(value).collect();

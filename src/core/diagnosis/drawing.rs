@@ -212,10 +212,10 @@ impl Displacements {
         let square = levers.norm_squared();
         let extent = match pattern {
             DrawingPattern::Extent(axis) => {
-                let [low, high] = [f64::min, f64::max].map(|of| {
+                let [low, high] = [f64::min, f64::max].map(|extreme| {
                     all.clone()
                         .map(|place| place[axis])
-                        .reduce(of)
+                        .reduce(extreme)
                         .unwrap_or(0.0)
                 });
                 high - low

@@ -150,10 +150,10 @@ impl System {
 
     /// The best scale of a member with the others as they are, and the log ratio of the evidence summed over its scales
     /// and that at the best one.
-    pub fn best_scale_of(&self, gram: &Gram<'_>, place: usize) -> Option<(usize, f64)> {
-        let (index, scale) = self.members[place];
+    pub fn best_scale_of(&self, gram: &Gram<'_>, member: usize) -> Option<(usize, f64)> {
+        let (index, scale) = self.members[member];
         let candidate = &gram.candidates[index];
-        let range = self.parameters(gram.candidates).swap_remove(place);
+        let range = self.parameters(gram.candidates).swap_remove(member);
         // The inverse of the block is the matrix of the member conditional on the others.
         let matrix = self.inverse(range.clone()).cholesky()?.inverse();
         let size = candidate.scales[scale].0;

@@ -211,10 +211,10 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
         }
     }
     let mut laser: Vec<f64> = (0..data.len()).map(|row| data.laser_at(row)).collect();
-    for (at, residual) in linear.rows.iter().zip(&linear.residual) {
-        let Some(row) = at.row else { continue };
-        let correction = residual * at.sd;
-        match at.kind {
+    for (linear_row, residual) in linear.rows.iter().zip(&linear.residual) {
+        let Some(row) = linear_row.row else { continue };
+        let correction = residual * linear_row.sd;
+        match linear_row.kind {
             // The row of a tension is the error of the reading itself: reading minus tension.
             RowKind::Observation(ObservationKind::Tension(cable)) => {
                 tension.set(row, cable, tension.get(row, cable) + correction);
