@@ -275,7 +275,6 @@ pub fn percent(probability: f64) -> String {
     format!("{:.0} %", 100.0 * probability)
 }
 
-/// A Bayes factor as odds.
 fn odds(log_bayes_factor: f64) -> String {
     match log_bayes_factor {
         value if value > 1e4_f64.ln() => "more than 10 000 to 1".to_owned(),

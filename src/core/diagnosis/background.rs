@@ -22,9 +22,7 @@ use crate::measurement::Variable;
 /// The variables that a group of functions depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Group {
-    /// Position.
     Position,
-    /// Time.
     Time,
     /// Tension, alone and multiplied by the position.
     Load,

@@ -70,7 +70,6 @@ struct Displacements {
     estimated: DMatrix<f64>,
 }
 
-/// A pattern with its test.
 struct TestedPattern {
     pattern: DrawingPattern,
     /// Size with its stated variance and that of the estimate.

@@ -6,7 +6,6 @@ use super::{CablePorts, Dual, PlatformPorts, RowContexts};
 
 /// Physics that the text of a user states instead of code.
 pub(crate) trait TextPhysics: fmt::Debug + Sync {
-    /// The text.
     fn text(&self) -> &str;
 
     /// Sentences of cause and workshop, with fields.
@@ -30,6 +29,5 @@ pub(crate) trait TextPhysics: fmt::Debug + Sync {
         ports: &mut CablePorts,
     );
 
-    /// Changes the ports of the platform.
     fn change_platform(&self, values: &[Dual], row: RowContexts<'_>, ports: &mut PlatformPorts);
 }

@@ -275,7 +275,6 @@ fn normal(count: usize, rng: &mut impl Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(rng))
 }
 
-/// A jump in the future.
 struct FutureJump {
     days: f64,
     /// Change of the error by the jump.

@@ -11,7 +11,6 @@ use crate::estimation::{ParameterId, covariance_of};
 /// Standard deviation of an effect that a session does not have, over its smallest typical size.
 const ABSENT_SD: f64 = 0.1;
 
-/// One number of the state.
 #[derive(Debug, Clone, PartialEq)]
 struct StateNumber {
     /// Index of the part.

@@ -203,7 +203,6 @@ fn representatives(candidates: &[Candidate]) -> Vec<usize> {
     chosen
 }
 
-/// A candidate fault.
 struct CandidateFault {
     cause: Cause,
     evidence: Evidence,
