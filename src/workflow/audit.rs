@@ -1,4 +1,4 @@
-//! The audit trail of a session: who seals it, and what is wrong in it in words.
+//! The audit trail of a session: the author of its entries, and its faults in words.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
-//! Values of the controller that somebody else writes while poses are measured.
+//! Values of the controller that others write while poses are measured.
 //!
-//! The values are read before a run moves and at its end. The first ones are in the session until then, so that a run that was
+//! The values are read before a run moves and at its end. The session keeps the first ones until then, so that a run that was
 //! killed, or lost its controller, is compared with the values of the next connection. Poses between two readings that differ
-//! are marked: they were commanded with one geometry and measured with another, and nobody knows which pose had which.
+//! are marked: they were commanded with one geometry and measured with another, and it is unknown which pose had which.
 
 use tautline_link::ParameterInfo;
 use tautline_session::{ForeignWrite, NamedValue, RunValues, Session, Timestamp, ValueChange};

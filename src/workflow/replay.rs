@@ -1,5 +1,5 @@
-//! The simulator of a user beside the machine: how far its readings are from the measured ones, what the identified model explains
-//! of that, and what noise leaves.
+//! The simulator of a user compared with the machine: the error of its readings, the part that the identified model explains,
+//! and the part that is noise.
 //!
 //! A simulator is driven to commanded poses, or to the poses that it computes; the platform of the machine is elsewhere, by errors that
 //! the identification finds. Readings are compared at the identified pose `q` of the machine. With the prediction `f_M(q)` of the
@@ -7,12 +7,14 @@
 //!
 //! `r = f_M(q) - y`.
 //!
-//! The reading `s` that the simulator predicts at its own pose `p` is carried there by a model `X`, the drawing or the identified
-//! one, whichever is nearer to the simulator; only the difference of `X` from the simulator over the distance of `p` and `q` is lost:
+//! The reading `s` that the simulator predicts at its own pose `p` is transferred to `q` by a model `X`, the drawing or the
+//! identified one, whichever is nearer to the simulator; only the difference of `X` from the simulator between `p` and `q` is
+//! neglected:
 //!
 //! `e = r + f_X(q) - f_M(q) - (f_X(p) - s)`.
 //!
-//! The part of a cause is the error that the identified model has without it, less in squares the error that it has.
+//! The part of a cause is the root of the difference in squares between the error of the identified model without the cause and
+//! its error with it.
 //! By noise alone, `r` has the variance `sd^2` times the redundancy of the reading (Baarda 1968).
 
 use std::collections::HashMap;

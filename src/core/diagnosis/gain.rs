@@ -1,4 +1,4 @@
-//! Cross-validation: the gain of a cause on held-out poses, and by how much it moves the platform.
+//! Cross-validation: the gain of a cause on held-out poses, and the change of the platform's positions.
 //!
 //! Each pose is left out in turn. With the orthonormal basis `V` of the estimated parameters and the rows `j` of the
 //! pose, the residual that the fit to all other poses predicts is `e_j = (1 - V_j V_j^T)^-1 r_j` (Cook and Weisberg 1982,

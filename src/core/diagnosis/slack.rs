@@ -1,15 +1,15 @@
-//! A slack cable as a regime: at some poses one cable is longer than the distance that it spans by amounts that nothing determines.
+//! A slack cable as a regime: at some poses one cable is longer than the distance that it spans, by undetermined amounts.
 //!
-//! A force sensor of the cable reads nothing there, to within its noise, so that the poses are known. Without a sensor they are found
-//! one by one, each the one that relieves the fit most, as long as readings are too long. The length, and the force, are left out at
-//! these poses. With `k` of `m` poses the log evidence is, beside `-chi^2/2` of the fit without these readings,
+//! A force sensor of the cable reads zero there, to within its noise, so that the poses are known. Without a sensor they are
+//! found one by one, each the one that reduces chi-square most, as long as readings are too long. The length, and the force,
+//! are left out at these poses. With `k` of `m` poses the log evidence is, beside `-chi^2/2` of the fit without these readings,
 //!
 //! ```text
 //! log(p/n) + log P(k of m) - sum over poses of log(A / (sqrt(2 pi) s))
 //! ```
 //!
-//! for the probability `p` that one of `n` cables gets slack, and amounts that are as probable up to `A`, while their readings have the
-//! standard deviation `s`. Where a sensor tells the poses, the second term is missing.
+//! for the probability `p` that one of `n` cables gets slack, and amounts that are equally probable up to `A`, while their
+//! readings have the standard deviation `s`. If a sensor tells the poses, the second term is omitted.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! The life of one robot: what moved, drifted or stayed the same over many calibrations.
+//! The history of one robot: jumps and drifts of its parts over many calibrations.
 //!
 //! **State.** The coordinates of all pulleys, the target plane and the parameters of effects are the state `x(t)` of the robot.
 //! Session `j` at the time `t_j` has the information `L_j` on it, with the moment `L_j x_j`: that of its readings alone

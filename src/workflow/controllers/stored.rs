@@ -1,4 +1,4 @@
-//! A simulated controller whose values survive the program, as those of a real one do.
+//! A simulated controller whose values persist when the program ends, like those of a real one.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! The formulas that are tried: a size with a unit times at most two factors out of the circumstances on which a reading may
-//! depend, their absolute values, and periods of the motor.
+//! The candidate formulas: a size with a unit times at most two factors, which are circumstances on which a reading may depend,
+//! their absolute values, or periods of the motor.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The health check: few poses that say whether a robot is as it was at its calibration.
+//! The health check: few poses that show whether a robot has changed since its calibration.
 
 mod document;
 mod words;

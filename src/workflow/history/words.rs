@@ -1,4 +1,4 @@
-//! The life of a robot in words.
+//! The history of a robot in words.
 
 use std::path::Path;
 

@@ -1,6 +1,5 @@
-//! Readiness check before identification: whether the readings are complete and plausible, whether they determine the
-//! geometry, and which faults they would reveal. Every part passes, fails, gives a notice or is not evaluated, with a sentence and
-//! advice.
+//! Readiness check before identification: completeness and plausibility of the readings, determination of the geometry, and
+//! detectable faults. Every part passes, fails, gives a notice or is not evaluated, with a sentence and advice.
 
 mod faults;
 mod readings;

@@ -1,4 +1,4 @@
-//! Measuring until it is certain: decisions on the next pose, for window and commands.
+//! Measuring until the goals are reached: decisions on the next pose, for window and commands.
 
 mod document;
 mod planner;

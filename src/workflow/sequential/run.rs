@@ -1,4 +1,4 @@
-//! A measuring run whose poses are decided on one by one.
+//! A measuring run with a decision before each pose.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;

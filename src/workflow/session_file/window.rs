@@ -1,4 +1,4 @@
-//! In which window a session is open.
+//! Mark of the window in which a session is open.
 
 use std::fs::{self, File, FileType, TryLockError};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Effects: the catalogue against its table, slopes, formulas, and whether hidden effects come back.
+//! Effects: the catalogue against its table, slopes, formulas, and the recovery of hidden effects.
 
 mod binding;
 mod exchange;

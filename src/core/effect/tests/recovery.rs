@@ -1,4 +1,4 @@
-//! Hidden effects come back: the geometry known, instruments so good that priors do not count.
+//! Recovery of hidden effects with known geometry and instruments so precise that priors do not matter.
 
 use crate::effect::{CATALOGUE, EffectRequest, EffectSetting, Scope, find};
 use crate::estimation::{Control, Method, Options, Problem, solve};
