@@ -123,7 +123,7 @@ pub struct AuditEntry {
 pub struct AuditFault {
     /// Number of the entry, from 1; null if no entry has that part.
     pub entry: Option<usize>,
-    /// hash, changed, missing, uncovered, or lost (no entry has the hash that was asked for).
+    /// hash, changed, missing, uncovered, or lost (no entry has the requested hash).
     pub kind: String,
     /// The fault in one sentence.
     pub text: String,
@@ -244,7 +244,7 @@ fn by(operator: &str) -> String {
     }
 }
 
-/// The part with its verb.
+/// The subject of a sentence on a part, with its verb.
 fn part_is(part: TrailPart) -> String {
     match part {
         TrailPart::Pose(0) => "the readings at home are".to_owned(),

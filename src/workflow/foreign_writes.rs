@@ -72,7 +72,7 @@ pub fn sentences(session: &Session) -> Vec<String> {
         .collect()
 }
 
-/// The values that are others now; two that are no numbers are the same.
+/// The changed values; two values that are not numbers count as equal.
 fn changes(before: &[NamedValue], now: &[ParameterInfo]) -> Vec<ValueChange> {
     let is_same = |a: f64, b: f64| a == b || !a.is_finite() && !b.is_finite();
     let pairs = before.iter().filter_map(|held| {
@@ -184,7 +184,7 @@ mod tests {
         let mut parameters = parameters_of(&session.robot);
         let all = session.measurements.labels.clone();
         let last = *all.last().expect("a pose");
-        // The last pose belongs to the run, the others to one before.
+        // Only the last pose belongs to the run; the others are of an earlier one.
         let whole = session.measurements.clone();
         let before: Vec<usize> = (0..all.len() - 1).collect();
         session.measurements = whole.select(&before);
@@ -207,7 +207,7 @@ mod tests {
         assert_eq!(writes[0].poses, [last]);
         assert_eq!(writes[0].changes.len(), 2);
         assert_eq!(sentences(&session), [text]);
-        // It is compared once, and a pose that is left out has no mark.
+        // Each run is compared once, and an excluded pose has no mark.
         assert_eq!(end_run(&mut session, plc(&[]), None, time(3)), None);
         session.exclude(last).expect("a pose");
         assert_eq!(sentences(&session), Vec::<String>::new());
@@ -219,7 +219,7 @@ mod tests {
         let mut parameters = parameters_of(&session.robot);
         parameters[0].value = f64::NAN;
         begin_run(&mut session, plc(&parameters), time(1));
-        // A parameter that only one of both readings has is no change.
+        // A parameter that only one of the readings contains does not count as changed.
         parameters.pop();
         assert_eq!(end_run(&mut session, plc(&parameters), None, time(2)), None);
         assert_eq!(session.foreign_writes().count(), 0);

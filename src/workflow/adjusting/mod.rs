@@ -73,7 +73,7 @@ pub fn revertible(session: &Session) -> Option<&Adjustment> {
     (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
 }
 
-/// The verification that was stopped and can go on: nothing was verified or written since.
+/// The stopped verification that can be continued: nothing was verified or written since.
 #[must_use]
 pub fn to_continue(session: &Session, stage: Stage) -> Option<&StoppedVerification> {
     let mut stopped = session.stopped_verifications().iter().rev();

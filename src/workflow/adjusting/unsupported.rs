@@ -35,8 +35,8 @@ pub fn unsupported_effects<'a>(
     effects.filter(|setting| lasts(setting)).collect()
 }
 
-/// The doubt about values that were identified together with effects for which the controller has no parameters; `None` if
-/// it moves the platform as well without them.
+/// The doubt about values that were identified together with effects for which the controller has no parameters; `None` if the
+/// platform moves equally well without these effects.
 #[must_use]
 pub fn unsupported(model: &Robot, differences: &[Difference]) -> Option<Doubt> {
     let effects = unsupported_effects(model, differences);
@@ -145,7 +145,7 @@ mod tests {
             .nth(1)
             .and_then(|rest| rest.split(' ').next());
         let mm: f64 = errs.expect("a number").parse().expect("a number");
-        // One of eight cables is 2 % of some 0.2 m too long, and the others hold against it.
+        // One of eight cables is 2 % of some 0.2 m too long, and the others limit the error.
         assert!((0.3..4.0).contains(&mm), "{text}");
         // The controller does not use the laser.
         assert_eq!(doubt("laser_scale", &[], 0.01), None);

@@ -60,7 +60,7 @@ pub struct ConnectionSetup {
     /// State of the controller when the last pose of the session was measured.
     pub(super) seen: Option<LastState>,
     pub(super) laser: LaserSettings,
-    /// Number of home pose measurements in the session, so that a simulated one continues with other noise.
+    /// Number of home pose measurements in the session, so that a simulated instrument continues with new noise.
     pub(super) home_measurements: usize,
 }
 
@@ -342,7 +342,7 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
     }
 }
 
-/// A machine built after a description: its parts deviate by the tolerances that are stated.
+/// A machine built from a description: its parts deviate within the stated tolerances.
 fn as_built(robot: &Robot) -> Robot {
     Robot {
         deviations: draw_deviations(robot, SEED),

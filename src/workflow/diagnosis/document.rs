@@ -12,7 +12,8 @@ use tautline_session::VersionedFile;
 pub struct DiagnosisDocument {
     /// Whether the original model explains the data; then there are no findings.
     pub adequate: bool,
-    /// Mistakes in the readings, each with the change of a recipe that corrects it; they are undone for all that follows.
+    /// Mistakes in the readings, each with the change of a recipe that corrects it; all other results are for the corrected
+    /// readings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mistakes: Vec<Suggestion>,
     /// A cable that was slack at some poses, or may have been.

@@ -30,7 +30,7 @@ pub struct Evidence {
     pub figure: Figure,
 }
 
-/// The evidence of each finding; of an unknown cause the residuals that have the error. `None` where channels are exchanged.
+/// The evidence of each finding; for an unknown cause the residuals with the error. `None` if channels are exchanged.
 #[must_use]
 pub fn evidence(diagnosed: &Diagnosed) -> Vec<Option<Evidence>> {
     let findings = &diagnosed.diagnosis.findings;
@@ -58,7 +58,7 @@ fn of_error(diagnosed: &Diagnosed, dataset: &Dataset, error: &UnmodelledError) -
         .filter_map(residual)
         .filter(|(group, ..)| is_its(*group))
         .collect();
-    // An error of all cables shows best on one.
+    // An error of all cables is shown on the cable with the largest residuals.
     let sizes = residuals.iter().map(|(group, _, size)| (*group, *size));
     let group = largest(sizes)?;
     residuals.retain(|(of, ..)| *of == group);
@@ -94,7 +94,7 @@ fn largest(
     largest.map(|(group, _)| group)
 }
 
-/// The variable over which readings are shown, `own` if they have it, with its values by row.
+/// The variable over which readings are shown, `own` if it applies to them, with its values by row.
 fn variable_of(
     problem: &Problem<'_>,
     solution: &Solution,
@@ -221,7 +221,7 @@ impl<'a> Explained<'a> {
     }
 }
 
-/// The problem that has a solution of a diagnosis; `None` where channels are exchanged, so that the readings differ.
+/// The problem of a diagnosis whose solution is given; `None` if channels are exchanged, because the readings then differ.
 pub(super) fn problem_of<'a>(
     diagnosed: &Diagnosed,
     dataset: &'a Dataset,
@@ -239,7 +239,7 @@ pub(super) fn problem_of<'a>(
     Some(problem.at_poses_of(&diagnosed.diagnosis.base_solution))
 }
 
-/// The problem and the solution with some of the free effects, by their indices, and everything else as it is.
+/// The problem and the solution with only some of the free effects, given by their indices.
 fn without_effects<'a>(
     problem: &Problem<'a>,
     solution: &Solution,

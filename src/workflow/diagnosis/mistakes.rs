@@ -5,14 +5,14 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::measurement::Dataset;
 use tautline_import::{Mistake, Suggestion, check_table};
 
-/// Largest number of rounds: some mistakes show only when others are undone.
+/// Largest number of rounds: some mistakes show only after others are corrected.
 const ROUNDS: usize = 5;
 /// Effect of a model that states exchanged channels.
 const EXCHANGED: &str = "cable_swap";
 /// Effects that estimate the remaining error of an alignment: of the frame and of the point on the platform.
 const OF_ALIGNMENT: [&str; 3] = ["tracker_frame", "tracker_target", "tracker_tilt"];
 
-/// A dataset with the mistakes undone, and these; `None` if there are none.
+/// A dataset with the mistakes corrected, and the mistakes; `None` if there are none.
 pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Suggestion>)> {
     let mut corrected = dataset.clone();
     let mut undone: Vec<Suggestion> = Vec::new();

@@ -11,7 +11,7 @@ use super::DiagnosisDocument;
 pub struct Proposal {
     /// Time of the diagnosis.
     pub time: Timestamp,
-    /// Probability that it gave to the effect.
+    /// Probability of the effect according to the diagnosis.
     pub probability: f64,
 }
 

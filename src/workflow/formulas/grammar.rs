@@ -28,7 +28,7 @@ pub enum Reading {
 }
 
 impl Reading {
-    /// That of a quantity; `None` for instruments whose errors no formula describes.
+    /// The kind for a quantity; `None` for instruments whose errors no formula describes.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         match quantity {
@@ -128,7 +128,7 @@ pub fn formulas(reading: Reading, dataset: &Dataset, solution: &Solution) -> Vec
             ));
         }
     }
-    // Changing a quantity by a share of itself is in the catalogue.
+    // The catalogue has the effect that changes a quantity by a share of itself.
     found.retain(|formula| formula.expression != target);
     found
 }

@@ -120,14 +120,14 @@ fn with(
     let mut dataset = Dataset::clone(&before.dataset);
     for formula in formulas {
         if let Ok(hypothesis) = Hypothesis::parse(&formula.text) {
-            // One that the robot knows already, or has no room for, is left out.
+            // A hypothesis that the robot knows already, or has no room for, is left out.
             let _ = dataset.robot.add_hypothesis(&hypothesis);
         }
     }
     diagnose_dataset(Arc::new(dataset), (before.alpha, before.limit_s), observe)
 }
 
-/// Formulas by their probability in a diagnosis, those that no finding has left out.
+/// Formulas in the order of their probability in a diagnosis, without those that are in no finding.
 fn ranked(diagnosed: &Diagnosed, formulas: &[Formula]) -> Vec<Formula> {
     let document = diagnosed.document();
     let mut found: Vec<(f64, &Formula)> = Vec::new();

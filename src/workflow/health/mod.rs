@@ -91,8 +91,8 @@ impl Baseline {
         })
     }
 
-    /// The robot as it is expected to be: as the check describes it, with the identified pulleys and target plane. Where the
-    /// pulleys are now is open.
+    /// The expected robot: as the check describes it, with the identified pulleys and target plane. The check estimates the
+    /// present places of the pulleys.
     fn expected(&self, described: &Robot) -> Robot {
         let solution = &self.identification.solution;
         let is_estimated = |id: ParameterId| solution.parameters.iter().any(|p| p.id == id);
@@ -261,7 +261,7 @@ impl Checked {
         jumps.find(|jump| jump.probability >= CERTAIN)
     }
 
-    /// The effect that has certainly changed, if it is one: as large as it is now.
+    /// The effect that has certainly changed, if the certain change is one, with its present size.
     fn certain_effect(&self) -> Option<EffectSetting> {
         let jump = self.certain()?;
         let RobotPart::Effect {
@@ -292,7 +292,7 @@ impl Checked {
     }
 }
 
-/// Puts pulleys and target plane where baseline and check together have them.
+/// Places pulleys and target plane as estimated from baseline and check together.
 fn place(robot: &mut Robot, found: &HealthCheck) {
     let history = &found.history;
     for (part, of) in history.parts.iter().enumerate() {
@@ -335,7 +335,7 @@ fn verdict(found: &HealthCheck, identification: &Identification) -> HealthVerdic
     let is_explained = FitVerdict::of(identification.solution.p_value()).holds();
     let is_in_motion = identification.dataset.measurements.rates.is_some();
     match (is_explained, history.jumps.is_empty()) {
-        // What the model of motion lacks is no change of the robot.
+        // A defect of the model of motion is not a change of the robot.
         (false, _) if is_in_motion => HealthVerdict::Undecided,
         (false, _) => HealthVerdict::Changed,
         (true, _) if history.unchanged <= 1.0 - CERTAIN => HealthVerdict::Changed,
@@ -359,7 +359,7 @@ fn detectable(found: &HealthCheck, robot: &Robot) -> Vec<DetectableMove> {
     moves.collect()
 }
 
-/// The poses that most improve the geometry that the check leaves open; none if the robot holds no others.
+/// The poses that most improve the geometry that is uncertain after the check; none if the robot can hold no others.
 fn more_poses(identification: &Identification, method: Method) -> Vec<Pose> {
     let dataset = &identification.dataset;
     let options = PlanOptions {

@@ -14,7 +14,7 @@ use crate::wording::{readings, sentence};
 
 /// Most pictures of one effect.
 pub(super) const MOST_IMAGES: usize = 3;
-/// Largest residual, in standard deviations, below which nobody sees anything in a picture.
+/// Residual, in standard deviations, below which nothing is visible in a picture.
 pub(super) const LEAST_SEEN: f64 = 1.0;
 
 /// Residuals of readings.
@@ -35,7 +35,7 @@ pub(super) struct Residual {
     pub value: f64,
 }
 
-/// The residuals of all readings that another reading checks.
+/// The residuals of all readings with redundancy.
 pub(super) fn residuals(fit: &Identification) -> Vec<Residual> {
     let of = |reading: &tautline_core::estimation::Observation| {
         let (quantity, cable) = group_of(reading.kind)?;

@@ -16,7 +16,7 @@ use crate::identification::{Identification, IdentificationRequest, effect_sizes,
 use crate::plot::figure::{Ink, Marker, Series};
 use crate::wording::list;
 
-/// Targets on which the hypothesis is fitted: more would be no better than these.
+/// Largest number of targets on which the hypothesis is fitted: further ones would not be better.
 const MOST_PLACEMENTS: usize = 4;
 
 /// Result of fitting a hypothesis alone to the residuals of a session.
@@ -65,7 +65,7 @@ pub fn try_hypothesis(
     goes_on: &dyn Fn() -> Control,
 ) -> Result<Option<Trial>, String> {
     let mut session = session.clone();
-    // What it explains would be explained already.
+    // Without this, the present instance of the effect would already explain the residuals.
     let effects = &mut session.settings.identification.effects;
     let count = effects.len();
     effects.retain(|one| one.effect != hypothesis.id());
@@ -158,7 +158,7 @@ fn fitted(
     }))
 }
 
-/// The readings of which the effect explains most: their residuals without it, and that part.
+/// The readings of which the effect explains most: their residuals without the effect, and the explained part.
 fn images(before: &Identification, after: &Identification, bound: &BoundEffect) -> Vec<Image> {
     let left = residuals(after);
     let is_same = |(one, other): &(Residual, &Residual)| {
