@@ -204,7 +204,7 @@ impl ErrorOfValues {
             |id: &ParameterId| matches!(id, ParameterId::EntryPoint { .. } | ParameterId::Home(_));
         let estimated: Vec<usize> = (0..own.len()).filter(|k| counts(&own[*k].id)).collect();
         let mut parameters: Vec<Parameter> = estimated.iter().map(|k| own[*k].clone()).collect();
-        // What only other sessions estimated may move, too.
+        // A pulley that only other sessions estimated may move, too.
         for part in movable(history) {
             let RobotPart::Pulley(cable) = history.parts[part] else {
                 continue;

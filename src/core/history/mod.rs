@@ -114,7 +114,7 @@ pub struct Drift {
     pub is_evident: bool,
 }
 
-/// The life of a robot.
+/// History of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     /// Days of the sessions after the first one.
@@ -137,7 +137,7 @@ pub struct History {
 }
 
 impl History {
-    /// The drifts for which the sessions speak.
+    /// The drifts that the sessions make probable.
     pub fn evident_drifts(&self) -> impl Iterator<Item = &Drift> {
         self.drifts.iter().filter(|drift| drift.is_evident)
     }
@@ -165,10 +165,10 @@ pub enum HistoryError {
     Undetermined(usize),
 }
 
-/// Smooths the state of a robot over its sessions, which are in the order of time, and finds what changed.
+/// Smooths the state of a robot over its sessions, which are in the order of time, and finds the changes.
 ///
 /// # Errors
-/// If there are fewer than two sessions, or one does not determine the robot or has another one.
+/// If there are fewer than two sessions, or the data of one do not determine the robot, or one is of another robot.
 pub fn smooth(runs: &[DatedRun<'_>]) -> Result<History, HistoryError> {
     if runs.len() < 2 {
         return Err(HistoryError::TooFew(runs.len()));

@@ -194,7 +194,7 @@ impl<'a> Search<'a> {
             .iter()
             .filter_map(|m| index(&m.change))
             .collect();
-        // Log weights of the sets, each with what it has more and less than the best set.
+        // Log weights of the sets, each with its changes relative to the best set: added and removed ones.
         let mut sets: Vec<(f64, Option<usize>, Option<usize>)> = vec![(0.0, None, None)];
         for (more, gain) in gains(&self.set).into_iter().enumerate() {
             sets.push((gain, Some(more), None));
@@ -228,7 +228,7 @@ impl<'a> Search<'a> {
         (probability, unchanged)
     }
 
-    /// The life of the robot by the best set.
+    /// The history of the robot by the best set.
     pub fn history(&self) -> History {
         let covariance = self.set.covariance();
         let estimate = self.set.estimate();
@@ -367,7 +367,7 @@ impl<'a> Search<'a> {
         ([low, high + 1], sum.min(1.0))
     }
 
-    /// Size of a change: of a member of the best set as estimated there, of another one as estimated if it is added.
+    /// Size of a change: for a member of the best set as estimated there, otherwise as estimated with the change added.
     fn size_of(&self, change: Change) -> (DVector<f64>, DMatrix<f64>) {
         let mut with = None;
         if !self.set.has(&change) {

@@ -39,8 +39,8 @@ use candidates::{Candidate, draw};
 use goal::Criterion;
 use information_model::InformationModel;
 
-/// Number of poses to measure where nobody states one, the home pose not counted. Four times as many would roughly halve the errors
-/// of MINI, in four times the time at the robot.
+/// Default number of poses to measure, the home pose not counted. Four times as many would roughly halve the errors of MINI, in
+/// four times the time at the robot.
 pub const USUAL_POSES: usize = 25;
 
 /// Options of a plan.

@@ -165,7 +165,7 @@ fn errors_scatter_as_expected() {
     let weight = covariance.try_inverse().unwrap();
     let mut sum = 0.0;
     for seed in 0..40 {
-        // The truth is drawn, as the prior is part of what is expected.
+        // The truth is drawn, because the expectation includes the prior.
         let options = SimulationOptions {
             workspace: Some(preset.workspace),
             tension: Some(preset.tension),

@@ -25,7 +25,7 @@ pub const PROBABILITIES: [f64; 2] = [0.5, 0.98];
 
 const EXPECTED: &str = "expected accuracy=0.3mm, cause=95% or fault-free=95%";
 
-/// A text that is no goal; one sentence.
+/// A text that does not state a goal; one sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct GoalError(String);

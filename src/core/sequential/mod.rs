@@ -41,7 +41,7 @@ pub const AT_MOST: usize = 60;
 pub const FIRST_POSES: usize = 8;
 /// Number of poses from which the first ones are selected.
 const FIRST_CANDIDATES: usize = 400;
-/// Number of poses of the workspace among which the next one is looked for.
+/// Number of poses of the workspace from which the next one is chosen.
 const CANDIDATES: usize = 96;
 /// Noncentrality at the largest number of poses from which the instruments count as able to show a fault: it is then found with a
 /// probability of about 0.99.

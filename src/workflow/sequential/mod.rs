@@ -26,7 +26,7 @@ pub struct UntilRequest {
     pub goals: Vec<Goal>,
     /// Largest number of poses, the home pose not counted.
     pub at_most: usize,
-    /// Seed of the poses among which the next one is looked for.
+    /// Seed of the poses from which the next one is chosen.
     pub seed: u64,
     /// Poses that may be measured, instead of those of the workspace.
     pub among: Option<Vec<Pose>>,
