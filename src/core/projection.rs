@@ -7,9 +7,9 @@
 //! minimise  sum_ij (e_ij(p) / s)^2 + sum_k ((p_k - p0_k) / t_k)^2,    s = 0.01 mm,
 //! ```
 //!
-//! where `p0` are the parameters that the target has and `t_k` how far a parameter may be sought from there: it decides where the
-//! poses do not. The platform of a robot that is commanded with `p` misses pose j by the position rows of `J^+ e_j`, with
-//! the derivative `J` of the lengths with respect to the pose.
+//! where `p0` are the parameters that the target has and `t_k` is the range in which a parameter may deviate from there: the
+//! second term decides where the poses do not. The platform of a robot that is commanded with `p` misses pose j by the position
+//! rows of `J^+ e_j`, with the derivative `J` of the lengths with respect to the pose.
 
 use nalgebra::DMatrix;
 
@@ -34,7 +34,7 @@ const PERFECT_SENSOR: ForceSensor = ForceSensor {
     tension_sd_n: 1.0,
 };
 
-/// What a model expects of its winches at poses of its workspace.
+/// Lengths that a model predicts for its winches at poses of its workspace.
 #[derive(Debug, Clone)]
 pub struct ExpectedLengths {
     measurements: Measurements,
@@ -156,7 +156,8 @@ impl ExpectedLengths {
     }
 }
 
-/// The model without effects that act in motion or at single poses, and with poses that are not displaced by what is unknown.
+/// The model without effects that act in motion or at single poses, and with exactly known places of the pulleys, which
+/// otherwise displace its poses.
 fn at_rest(model: &Robot) -> Robot {
     let mut at_rest = model.clone();
     at_rest.effects.retain(|setting| {

@@ -1,4 +1,4 @@
-//! The audit trail of a session: who seals it, and what is wrong in it in words.
+//! The audit trail of a session: the author of its entries, and its faults in words.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,10 +10,10 @@ use crate::clock;
 use crate::planning::poses_in_words;
 use crate::wording::{PROGRAM, count, list};
 
-/// What a trail covers.
+/// Sentence on the records that a trail covers.
 const COVERS: &str = "Covered: the readings, measured and imported, the robot description, the tables of phases 1, 2 and 5, \
                       results, adjustments, verifications and the log. Not covered: plan, excluded poses, settings and names.";
-/// What a trail covers that no later version has saved.
+/// Sentence for a trail to which the present version has not added an entry yet.
 const COVERED_BEFORE: &str = "Covered: the readings as they were measured, adjustments, verifications and the log. Not covered, until \
                               this version saves the session: imported readings, the robot description, tables and results.";
 
@@ -25,7 +25,8 @@ pub fn system_user() -> String {
     found.find(|name| !name.is_empty()).unwrap_or_default()
 }
 
-/// Joins what is new in a session to an entry of its trail, by the `operator`, or the user of the system if that is empty.
+/// Adds a new entry with all unrecorded data of a session to its trail, by the `operator`, or the user of the system if that is
+/// empty.
 pub fn seal(session: &mut Session, operator: &str) {
     let user = system_user();
     let author = TrailAuthor {
@@ -39,7 +40,7 @@ pub fn seal(session: &mut Session, operator: &str) {
     session.seal(&author, clock::now());
 }
 
-/// What is wrong in the trail of a session that was opened: one sentence without full stop.
+/// Summary of the faults in the trail of an opened session: one sentence without full stop.
 #[must_use]
 pub fn notice(session: &Session) -> Option<String> {
     if session.trail().is_empty() {
@@ -84,12 +85,12 @@ pub struct AuditDocument {
     pub verdict: String,
     /// The entries, the oldest first.
     pub entries: Vec<AuditEntry>,
-    /// What is wrong.
+    /// Faults of the trail.
     pub faults: Vec<AuditFault>,
-    /// What the trail covers and what it does not, in one sentence.
+    /// Sentences on the records that the trail covers and on those that it does not.
     #[serde(default)]
     pub covers: String,
-    /// Labels of the poses that are in no entry: those of earlier versions, and those that such a version imported.
+    /// Labels of the poses that are in no entry: poses of earlier versions, and poses that such a version imported.
     pub uncovered_poses: Vec<i64>,
     /// Labels of the poses that were imported, or not recorded when they were measured.
     #[serde(default)]
@@ -109,20 +110,20 @@ pub struct AuditEntry {
     pub operator: String,
     /// Name and version of the program.
     pub program: String,
-    /// Whether the session had these records when its trail began.
+    /// Whether the entry records data that the session already had when its trail began.
     pub found: bool,
-    /// What it records, in words.
+    /// Recorded data, in words.
     pub what: String,
-    /// Its hash.
+    /// Hash of the entry.
     pub hash: String,
 }
 
-/// Something that is wrong in the trail.
+/// A fault of the trail.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct AuditFault {
     /// Number of the entry, from 1; null if no entry has that part.
     pub entry: Option<usize>,
-    /// hash, changed, missing, uncovered, or lost (no entry has the hash that was asked for).
+    /// hash, changed, missing, uncovered, or lost (no entry has the requested hash).
     pub kind: String,
     /// The fault in one sentence.
     pub text: String,
@@ -243,7 +244,7 @@ fn by(operator: &str) -> String {
     }
 }
 
-/// The part with its verb.
+/// The subject of a sentence on a part, with its verb.
 fn part_is(part: TrailPart) -> String {
     match part {
         TrailPart::Pose(0) => "the readings at home are".to_owned(),
@@ -264,7 +265,7 @@ fn part_is(part: TrailPart) -> String {
     }
 }
 
-/// What an entry records: `25 poses and the home pose, adjustment 1 (31 values) and 2 steps of the log`.
+/// Data that an entry records: `25 poses and the home pose, adjustment 1 (31 values) and 2 steps of the log`.
 fn what(session: &Session, entry: &TrailEntry) -> String {
     let parts = || entry.records.iter().map(|record| record.part);
     let mut words = Vec::new();

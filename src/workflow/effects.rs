@@ -20,29 +20,29 @@ pub struct EffectDocument {
     pub effect: String,
     /// Plain title.
     pub title: String,
-    /// What it is attached to.
+    /// Possible targets.
     pub on: EffectTarget,
-    /// Whether readings can determine it.
+    /// Whether readings can determine the effect.
     pub can_be_estimated: bool,
-    /// When a diagnosis tests it.
+    /// Search of a diagnosis for the effect.
     pub diagnosed: EffectSearch,
-    /// Whether only recordings in motion reveal it.
+    /// Whether only recordings in motion reveal the effect.
     pub in_motion: bool,
-    /// Whether it is repaired rather than modelled: something is loose, broke or moved.
+    /// Whether the effect is damage, to be repaired rather than modelled: something is loose, broke or moved.
     pub is_damage: bool,
-    /// Its parameters.
+    /// Parameters of the effect.
     pub parameters: Vec<EffectParameterDocument>,
-    /// An independent check in the workshop that confirms it or rules it out; null if there is none.
+    /// An independent check in the workshop that confirms the effect or rules it out; null if there is none.
     pub check: Option<String>,
-    /// Where the model comes from.
+    /// Source of the model.
     pub source: String,
 }
 
-/// What an effect is attached to.
+/// Possible targets of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EffectTarget {
-    /// Each cable has its own.
+    /// Each cable separately.
     Cable,
     /// One cable, or all together.
     CableOrAll,
@@ -52,21 +52,21 @@ pub enum EffectTarget {
     Robot,
 }
 
-/// When a diagnosis tests an effect.
+/// Search of a diagnosis for an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EffectSearch {
-    /// Always.
+    /// Always, by its size.
     Always,
     /// As a wave of any phase.
     AnyPhase,
     /// As a wave of any phase and period.
     AnyPhaseAndPeriod,
-    /// From every pose on.
+    /// As a step at each pose.
     FromEveryPose,
-    /// At every single pose.
+    /// As an event at each single pose.
     AtEveryPose,
-    /// If residuals are huge.
+    /// Only if residuals are huge.
     HugeResiduals,
 }
 
@@ -77,13 +77,13 @@ pub struct EffectParameterDocument {
     pub name: String,
     /// SI unit; `1` for a ratio.
     pub unit: String,
-    /// Whether it has to be given, as the label of a pose, rather than estimated.
+    /// Whether the parameter has to be given, as the label of a pose, rather than estimated.
     pub is_given: bool,
     /// Value without the effect.
     pub neutral: f64,
     /// Range of sizes typical in practice.
     pub typical: [f64; 2],
-    /// By how much sound parts deviate, as a standard deviation on a small and on a large machine; null if they do not.
+    /// Deviation of sound parts, as a standard deviation on a small and on a large machine; null if they do not deviate.
     pub tolerance: Option<[f64; 2]>,
 }
 

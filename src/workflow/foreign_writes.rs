@@ -1,8 +1,8 @@
-//! Values of the controller that somebody else writes while poses are measured.
+//! Values of the controller that others write while poses are measured.
 //!
-//! The values are read before a run moves and at its end. The first ones are in the session until then, so that a run that was
+//! The values are read before a run moves and at its end. The session keeps the first ones until then, so that a run that was
 //! killed, or lost its controller, is compared with the values of the next connection. Poses between two readings that differ
-//! are marked: they were commanded with one geometry and measured with another, and nobody knows which pose had which.
+//! are marked: they were commanded with one geometry and measured with another, and it is unknown which pose had which.
 
 use tautline_link::ParameterInfo;
 use tautline_session::{ForeignWrite, NamedValue, RunValues, Session, Timestamp, ValueChange};
@@ -22,15 +22,16 @@ pub struct ValuesRead<'a> {
     pub parameters: &'a [ParameterInfo],
 }
 
-/// Keeps the values at the start of a run. A run that was not compared yet ends; the sentence names what changed during it.
+/// Records the values at the start of a run. A run that was not compared yet ends; the sentence names the values that changed
+/// during it.
 pub fn begin_run(session: &mut Session, read: ValuesRead<'_>, now: Timestamp) -> Option<String> {
     let before = end_run(session, read, None, now);
     session.begin_run(read.controller, held(read.parameters), now);
     before
 }
 
-/// Compares the values with those at the start of the run that was not compared yet, if there is one, and marks its poses if
-/// values changed, with the `pending` one that the session does not have yet; the sentence names them.
+/// Compares the values with those at the start of the run that was not compared yet, if there is one. If values changed, marks
+/// its poses, together with the `pending` pose that the session does not have yet; the sentence names the changes.
 pub fn end_run(
     session: &mut Session,
     read: ValuesRead<'_>,
@@ -62,7 +63,7 @@ pub fn end_run(
     Some(text)
 }
 
-/// What others changed while poses were measured that are used, one sentence each.
+/// Changes of controller values by others while poses were measured that are used, one sentence each.
 #[must_use]
 pub fn sentences(session: &Session) -> Vec<String> {
     let writes = session.foreign_writes();
@@ -71,7 +72,7 @@ pub fn sentences(session: &Session) -> Vec<String> {
         .collect()
 }
 
-/// The values that are others now; two that are no numbers are the same.
+/// The changed values; two values that are not numbers count as equal.
 fn changes(before: &[NamedValue], now: &[ParameterInfo]) -> Vec<ValueChange> {
     let is_same = |a: f64, b: f64| a == b || !a.is_finite() && !b.is_finite();
     let pairs = before.iter().filter_map(|held| {
@@ -183,7 +184,7 @@ mod tests {
         let mut parameters = parameters_of(&session.robot);
         let all = session.measurements.labels.clone();
         let last = *all.last().expect("a pose");
-        // The last pose belongs to the run, the others to one before.
+        // Only the last pose belongs to the run; the others are of an earlier one.
         let whole = session.measurements.clone();
         let before: Vec<usize> = (0..all.len() - 1).collect();
         session.measurements = whole.select(&before);
@@ -206,7 +207,7 @@ mod tests {
         assert_eq!(writes[0].poses, [last]);
         assert_eq!(writes[0].changes.len(), 2);
         assert_eq!(sentences(&session), [text]);
-        // It is compared once, and a pose that is left out has no mark.
+        // Each run is compared once, and an excluded pose has no mark.
         assert_eq!(end_run(&mut session, plc(&[]), None, time(3)), None);
         session.exclude(last).expect("a pose");
         assert_eq!(sentences(&session), Vec::<String>::new());
@@ -218,7 +219,7 @@ mod tests {
         let mut parameters = parameters_of(&session.robot);
         parameters[0].value = f64::NAN;
         begin_run(&mut session, plc(&parameters), time(1));
-        // A parameter that only one of both readings has is no change.
+        // A parameter that only one of the readings contains does not count as changed.
         parameters.pop();
         assert_eq!(end_run(&mut session, plc(&parameters), None, time(2)), None);
         assert_eq!(session.foreign_writes().count(), 0);

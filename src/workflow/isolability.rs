@@ -1,4 +1,4 @@
-//! Isolability of faults: which faults poses reveal and which of them look alike. A public format, a table and its sentences.
+//! Isolability of faults: the faults that poses reveal, and those that look alike. A public format, a table and its sentences.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ impl IsolabilityDocument {
         Ok(Self::new(&dataset.robot, &found))
     }
 
-    /// The same if all parts were exactly as described: what the poses alone would reveal.
+    /// The same if all parts were exactly as described: the isolability by the poses alone.
     ///
     /// # Errors
     /// If the readings cannot be used with the robot.
@@ -275,7 +275,6 @@ pub fn percent(probability: f64) -> String {
     format!("{:.0} %", 100.0 * probability)
 }
 
-/// A Bayes factor as odds.
 fn odds(log_bayes_factor: f64) -> String {
     match log_bayes_factor {
         value if value > 1e4_f64.ln() => "more than 10 000 to 1".to_owned(),

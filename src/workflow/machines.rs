@@ -1,5 +1,5 @@
-//! The robots that are known by name, to commands, studies and the Python package: the presets, and every template of another
-//! name at its usual size.
+//! The robots known by name to commands, studies and the Python package: the presets, and every other template at its usual
+//! size.
 
 use tautline_core::robot::{Robot, presets};
 

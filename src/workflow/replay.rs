@@ -1,5 +1,5 @@
-//! The simulator of a user beside the machine: how far its readings are from the measured ones, what the identified model explains
-//! of that, and what noise leaves.
+//! The simulator of a user compared with the machine: the error of its readings, the part that the identified model explains,
+//! and the part that is noise.
 //!
 //! A simulator is driven to commanded poses, or to the poses that it computes; the platform of the machine is elsewhere, by errors that
 //! the identification finds. Readings are compared at the identified pose `q` of the machine. With the prediction `f_M(q)` of the
@@ -7,12 +7,14 @@
 //!
 //! `r = f_M(q) - y`.
 //!
-//! The reading `s` that the simulator predicts at its own pose `p` is carried there by a model `X`, the drawing or the identified
-//! one, whichever is nearer to the simulator; only the difference of `X` from the simulator over the distance of `p` and `q` is lost:
+//! The reading `s` that the simulator predicts at its own pose `p` is transferred to `q` by a model `X`, the drawing or the
+//! identified one, whichever is nearer to the simulator; only the difference of `X` from the simulator between `p` and `q` is
+//! neglected:
 //!
 //! `e = r + f_X(q) - f_M(q) - (f_X(p) - s)`.
 //!
-//! The part of a cause is the error that the identified model has without it, less in squares the error that it has.
+//! The part of a cause is the root of the difference in squares between the error of the identified model without the cause and
+//! its error with it.
 //! By noise alone, `r` has the variance `sd^2` times the redundancy of the reading (Baarda 1968).
 
 use std::collections::HashMap;
@@ -37,10 +39,10 @@ use crate::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use crate::wording::sentence;
 use crate::wording::units::{display_unit, quantity, significant};
 
-/// Smallest part of an error that is said of one cause, relative to the error of the drawing.
+/// Smallest part of an error that is attributed to one cause, relative to the error of the drawing.
 const LEAST_PART: f64 = 0.05;
 
-/// Why a simulator cannot be compared with a machine.
+/// Errors of the comparison of a simulator with a machine.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The model is of another robot, or its effects do not fit.
@@ -105,7 +107,7 @@ pub struct ReplayedReading {
     pub identified_rms: f64,
     /// Error that noise alone leaves to a right model whose poses are fitted; null where the readings do not determine it.
     pub noise_rms: Option<f64>,
-    /// What the identified model has and the drawing lacks, with its part of the error, the largest first.
+    /// Effects that the identified model has and the drawing lacks, each with its part of the error, largest first.
     pub causes: Vec<ExplainedPart>,
 }
 
@@ -393,7 +395,7 @@ impl ReplayedReading {
         ]
     }
 
-    /// What explains the error of the drawing, in a sentence.
+    /// Explanation of the error of the drawing, in a sentence.
     #[must_use]
     pub fn explained(&self) -> String {
         let parts = self.causes.iter();
@@ -404,7 +406,7 @@ impl ReplayedReading {
 }
 
 impl ReplayDocument {
-    /// What the comparison says, in sentences.
+    /// Results of the comparison, in sentences.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let nearest = self.nearest.map(|nearest| {
@@ -491,7 +493,7 @@ fn without_places(model: &Robot, drawing: &Robot) -> Vec<(String, Robot)> {
     all.map(|(name, robot)| (name.to_owned(), robot)).collect()
 }
 
-/// Root mean square of the numbers that are finite, with how many they are; `None` if there are none.
+/// Root mean square of the finite numbers, and their count; `None` if there are none.
 fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
     let (square_sum, count) = values
         .filter(|value| value.is_finite())

@@ -1,4 +1,4 @@
-//! Tolerances of the parts of a robot for people: typical values in the units of the screen, and what they are worth.
+//! Tolerances of the parts of a robot for display: typical values in display units, and their influence on the readings.
 
 use tautline_core::diagnosis::{DeviationSensitivity, deviation_sensitivities};
 use tautline_core::effect::{Effect, EffectParameter, MachineClass, every_effect};
@@ -21,7 +21,7 @@ pub struct DeviatingPart {
     pub effect: &'static Effect,
     /// Typical tolerance for the robot's class of machine (SI unit); `None` where the catalogue has none.
     pub typical: Option<f64>,
-    /// Where the typical tolerance comes from.
+    /// Source of the typical tolerance.
     pub source: Option<&'static str>,
     /// Display units per SI unit.
     pub per_si: f64,
@@ -79,7 +79,7 @@ pub fn class_in_words(robot: &Robot) -> &'static str {
     }
 }
 
-/// How much deviations of the parts change the readings of a robot.
+/// Changes of the readings of a robot by deviations of its parts.
 #[derive(Debug, Clone)]
 pub struct DeviationsInReadings {
     /// The poses of the readings: `41 measured poses`.
@@ -125,7 +125,7 @@ impl DeviationsInReadings {
         changes.fold(0.0, f64::max)
     }
 
-    /// The same for the tolerances that count for a robot: those that it states, else the typical ones.
+    /// The same with the tolerances of a robot: the stated ones if there are any, otherwise the typical ones.
     #[must_use]
     pub fn of_part(&self, robot: &Robot, part: &DeviatingPart) -> f64 {
         self.largest(robot, part.effect, |cable| match &robot.tolerances {

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, UnitSphere};
 use tautline_core::effect::{EffectSetting, every_effect};
 use tautline_core::geometry::Pose;
-use tautline_core::history::Part;
+use tautline_core::history::RobotPart;
 use tautline_core::measurement::Dataset;
 use tautline_core::planning::PlanOptions;
 use tautline_core::robot::{PartTolerances, Robot};
@@ -168,7 +168,7 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
     let entry = &mut truth.cables[cable].pulley.entry_point_m;
     *entry = [0, 1, 2].map(|axis| entry[axis] + by[axis]);
     let checked = machine.check(&truth, 10)?;
-    let is_it = |part: &Part| *part == Part::Pulley(cable);
+    let is_it = |part: &RobotPart| *part == RobotPart::Pulley(cable);
     counts.moves.add(&checked, is_it);
     let name = &machine.drawing.cables[cable].name;
     let predicted = expected.and_then(|expected| expected.detection(name, by.norm()));
@@ -183,11 +183,11 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
         let mut truth = machine.truth.clone();
         truth.effects.push(fault.clone());
         let checked = machine.check(&truth, 11)?;
-        let is_it = |part: &Part| match part {
-            Part::Effect {
+        let is_it = |part: &RobotPart| match part {
+            RobotPart::Effect {
                 effect, targets, ..
             } => *effect == fault.effect && *targets == fault.targets,
-            Part::Pulley(_) | Part::TargetPlane => false,
+            RobotPart::Pulley(_) | RobotPart::TargetPlane => false,
         };
         counts.faults.add(&checked, is_it);
     }
@@ -233,7 +233,7 @@ fn fault(drawing: &Robot, rng: &mut ChaCha8Rng) -> Option<EffectSetting> {
 }
 
 impl Outcomes {
-    fn add(&mut self, checked: &Checked, is_it: impl Fn(&Part) -> bool) {
+    fn add(&mut self, checked: &Checked, is_it: impl Fn(&RobotPart) -> bool) {
         let named = checked.certain();
         let is_right = named.map(|jump| is_it(&checked.found.history.parts[jump.part]));
         self.checks += 1;

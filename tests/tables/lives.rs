@@ -13,7 +13,7 @@ use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
 use tautline_core::history::{
-    CERTAIN, DatedRun, Forecast, History, OUT_OF_TOLERANCE, Part, Tolerance, forecast, smooth,
+    CERTAIN, DatedRun, Forecast, History, OUT_OF_TOLERANCE, RobotPart, Tolerance, forecast, smooth,
 };
 use tautline_core::planning::position_weights;
 use tautline_core::robot::{Robot, presets};
@@ -311,7 +311,7 @@ fn pulley_part(
     cable: usize,
     by: &Vector3<f64>,
 ) -> Option<(usize, DVector<f64>)> {
-    let is_it = |part: &Part| *part == Part::Pulley(cable);
+    let is_it = |part: &RobotPart| *part == RobotPart::Pulley(cable);
     let part = history.parts.iter().position(is_it)?;
     let axes = &history.axes[part];
     let by = DVector::from_iterator(axes.len(), axes.iter().map(|axis| by[*axis]));
@@ -320,7 +320,7 @@ fn pulley_part(
 
 /// The changes of a drum: those that are visible, and found in their interval.
 fn count_drums(truth: &Truth, history: &History, counts: &mut Counts) -> usize {
-    let is_effect = |part: &Part| matches!(part, Part::Effect { .. });
+    let is_effect = |part: &RobotPart| matches!(part, RobotPart::Effect { .. });
     let part = history.parts.iter().position(is_effect);
     let Some((drum, part)) = truth.drum.as_ref().zip(part) else {
         return 0;
@@ -346,8 +346,8 @@ fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
             .filter(|jump| jump.probability >= CERTAIN)
     };
     let pulley = |part: usize| match history.parts[part] {
-        Part::Pulley(cable) => Some(cable),
-        Part::TargetPlane | Part::Effect { .. } => None,
+        RobotPart::Pulley(cable) => Some(cable),
+        RobotPart::TargetPlane | RobotPart::Effect { .. } => None,
     };
     for (cable, after, by) in &truth.jumps {
         let of_pulley = pulley_part(history, *cable, by);
@@ -363,7 +363,7 @@ fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
     let rewound = count_drums(truth, history, counts);
     counts.quiet += history.parts.len() * (SESSIONS - 1) - truth.jumps.len() - rewound;
     let is_false = |jump: &&tautline_core::history::Jump| {
-        if let (Part::Effect { .. }, Some(drum)) = (&history.parts[jump.part], &truth.drum) {
+        if let (RobotPart::Effect { .. }, Some(drum)) = (&history.parts[jump.part], &truth.drum) {
             let mut changes = drum.changes();
             return changes
                 .all(|(before, _)| before < jump.between[0] || before >= jump.between[1]);
@@ -397,7 +397,7 @@ fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
 /// removed from the differences, as the datum is arbitrary by the uncertainty of the home pose.
 fn count_states(truth: &Truth, history: &History, counts: &mut Counts) {
     for (part, of) in history.parts.iter().enumerate() {
-        let Part::Pulley(cable) = of else {
+        let RobotPart::Pulley(cable) = of else {
             continue;
         };
         for (session, state) in history.states[part].iter().enumerate() {
@@ -424,7 +424,7 @@ fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts)
         let part = history
             .parts
             .iter()
-            .position(|part| *part == Part::Pulley(cable));
+            .position(|part| *part == RobotPart::Pulley(cable));
         let Some(part) = part else {
             return false;
         };

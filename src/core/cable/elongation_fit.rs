@@ -49,7 +49,7 @@ pub enum ElongationFitError {
     RankDeficient {
         /// The degree.
         degree: usize,
-        /// What is missing.
+        /// Reason, as a clause.
         reason: String,
     },
 }

@@ -49,27 +49,27 @@ fn home_pose(run: &Estimate<'_>) -> Pose {
 }
 
 /// A parameter of an effect in a run: its identity across runs, its index among the parameters, unit and neutral value.
-struct Entry {
+struct KeyedParameter {
     key: (String, Vec<String>, String),
     unit: &'static str,
     neutral: f64,
-    place: usize,
+    index: usize,
 }
 
-fn entries(run: &Estimate<'_>) -> Vec<Entry> {
+fn effect_parameters(run: &Estimate<'_>) -> Vec<KeyedParameter> {
     let problem = run.run.problem;
     let parameters = run.run.solution.parameters.iter().enumerate();
     parameters
-        .filter_map(|(place, parameter)| match parameter.id {
+        .filter_map(|(index, parameter)| match parameter.id {
             ParameterId::Effect { effect, parameter } => {
                 let bound = &problem.free_effects[effect];
                 let description = bound.effect.parameters()[parameter];
                 let setting = bound.setting(run.robot());
-                Some(Entry {
+                Some(KeyedParameter {
                     key: (setting.effect, setting.targets, description.name.to_owned()),
                     unit: description.unit,
                     neutral: description.neutral,
-                    place,
+                    index,
                 })
             }
             _ => None,
@@ -80,23 +80,23 @@ fn entries(run: &Estimate<'_>) -> Vec<Entry> {
 /// Differences of the effect parameters that either run estimates.
 pub(super) fn effects(estimates: &Estimates<'_>) -> Vec<EffectDifference> {
     let runs = &estimates.runs;
-    let [first, second] = runs.each_ref().map(entries);
+    let [first, second] = runs.each_ref().map(effect_parameters);
     let only_second = (second.iter()).filter(|e| !first.iter().any(|other| other.key == e.key));
     let all = first.iter().chain(only_second);
-    all.map(|entry| {
-        let place = |entries: &[Entry]| {
-            let mut entries = entries.iter();
-            Some(entries.find(|other| other.key == entry.key)?.place)
+    all.map(|parameter| {
+        let index = |parameters: &[KeyedParameter]| {
+            let mut parameters = parameters.iter();
+            Some(parameters.find(|other| other.key == parameter.key)?.index)
         };
-        let places = [place(&first), place(&second)];
-        let at = |run: usize| places[run].map(|place| runs[run].values[place]);
-        let difference = at(1).unwrap_or(entry.neutral) - at(0).unwrap_or(entry.neutral);
-        let variance = estimates.covariance_at(places, places);
+        let indices = [index(&first), index(&second)];
+        let at = |run: usize| indices[run].map(|index| runs[run].values[index]);
+        let difference = at(1).unwrap_or(parameter.neutral) - at(0).unwrap_or(parameter.neutral);
+        let variance = estimates.covariance_at(indices, indices);
         EffectDifference {
-            effect: entry.key.0.clone(),
-            targets: entry.key.1.clone(),
-            parameter: entry.key.2.clone(),
-            unit: entry.unit.to_owned(),
+            effect: parameter.key.0.clone(),
+            targets: parameter.key.1.clone(),
+            parameter: parameter.key.2.clone(),
+            unit: parameter.unit.to_owned(),
             size: ScalarDifference {
                 first: at(0),
                 second: at(1),

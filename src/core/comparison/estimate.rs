@@ -185,8 +185,8 @@ pub(crate) fn deviation_key(run: &Identified<'_>, id: &ParameterId) -> Option<De
     Some((bound.effect.id(), cables, values.collect(), *parameter))
 }
 
-/// Whether the prior of a parameter describes the robot, common to both runs, rather than the run. That of a deviation
-/// stays once, with the deviation itself.
+/// Whether the prior of a parameter describes the robot, common to both runs, rather than one run. The prior of a deviation is
+/// counted once, with the deviation itself.
 fn is_shared(id: &ParameterId) -> bool {
     match id {
         ParameterId::EntryPoint { .. } | ParameterId::PlaneOffset | ParameterId::Effect { .. } => {

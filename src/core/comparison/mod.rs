@@ -145,7 +145,7 @@ pub struct PulleyDifference {
     pub relative: Option<Displacement>,
     /// Test of the relative displacement against noise; `None` where it is not determined.
     pub test: Option<Test>,
-    /// Whether it has moved, at the significance level of the comparison.
+    /// Whether the pulley has moved, at the significance level of the comparison.
     pub moved: bool,
 }
 
@@ -238,7 +238,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Whether a pulley, the target plane or an effect differs significantly. A common motion or another home pose is no
+    /// Whether a pulley, the target plane or an effect differs significantly. A common motion or another home pose is not a
     /// change of the robot.
     #[must_use]
     pub fn is_different(&self) -> bool {

@@ -85,7 +85,7 @@ fn probabilities_are_corrected_as_by_hand() {
     assert!(holm(&[]).is_empty());
 }
 
-/// Number of so many pairs of runs of one robot that are called different, and the mean of their chi-square.
+/// Number of pairs of runs of one robot, out of `pairs`, that are called different, and the mean of their chi-square.
 fn differences_of_pairs(truth: &Robot, pairs: u64) -> (usize, f64) {
     let (mut different, mut chi2) = (0, 0.0);
     for pair in 0..pairs {
@@ -133,7 +133,7 @@ fn a_moved_pulley_is_found_as_precisely_as_on_exact_parts() {
 
 #[test]
 fn one_moved_pulley_is_found_and_only_that() {
-    // Another pulley is called moved besides with a probability of 5 % at most per run: none of 5 runs here.
+    // Another pulley is called moved as well with a probability of 5 % at most per run: none in 5 runs here.
     let truth = true_robot("mini");
     let mut changed = truth.clone();
     changed.cables[2].pulley.entry_point_m[0] += 0.01;

@@ -22,9 +22,7 @@ use crate::measurement::Variable;
 /// The variables that a group of functions depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Group {
-    /// Position.
     Position,
-    /// Time.
     Time,
     /// Tension, alone and multiplied by the position.
     Load,
@@ -84,11 +82,11 @@ pub(super) fn at_all_poses(
     poses: &[usize],
     count: usize,
 ) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(count, functions.ncols());
+    let mut expanded = DMatrix::zeros(count, functions.ncols());
     for (row, pose) in poses.iter().enumerate() {
-        all.row_mut(*pose).copy_from(&functions.row(row));
+        expanded.row_mut(*pose).copy_from(&functions.row(row));
     }
-    all
+    expanded
 }
 
 /// Functions with the standard deviations of their coefficients.
@@ -107,63 +105,60 @@ pub(super) struct ScaledVariables {
 
 impl ScaledVariables {
     pub fn new(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> Self {
-        let of = |value: &dyn Fn(usize) -> f64| {
+        let vector = |value: &dyn Fn(usize) -> f64| {
             DVector::from_iterator(rows.len(), rows.iter().map(|row| value(*row)))
         };
-        let known = |variable: Variable| {
+        let scaled = |variable: Variable| {
             let values = variables.values(id.quantity, id.cable, variable)?;
-            let values = of(&|row| values[row]);
+            let values = vector(&|row| values[row]);
             let (low, high) = (values.min(), values.max());
             let varies = high - low > 0.0 && values.iter().all(|v| v.is_finite());
             varies.then(|| values.map(|v| 2.0 * (v - low) / (high - low) - 1.0))
         };
-        let linear = Variable::ALL.iter().map(|v| (*v, known(*v)));
+        let linear = Variable::ALL.iter().map(|v| (*v, scaled(*v)));
         let mut expressed: Vec<_> = linear.filter_map(|(v, f)| Some((v, f?))).collect();
         let length = Variable::CableLength;
-        expressed.extend(known(length).map(|v| (length, v.component_mul(&v))));
-        let time = known(Variable::Time);
+        expressed.extend(scaled(length).map(|v| (length, v.component_mul(&v))));
+        let time = scaled(Variable::Time);
         let seconds = variables.values(id.quantity, id.cable, Variable::Time);
         if let Some(seconds) = seconds.filter(|_| time.is_some()) {
-            let creep = of(&|row| (seconds[row].max(0.0) / 600.0).ln_1p());
-            let settling = of(&|row| (-seconds[row].max(0.0) / 900.0).exp());
+            let creep = vector(&|row| (seconds[row].max(0.0) / 600.0).ln_1p());
+            let settling = vector(&|row| (-seconds[row].max(0.0) / 900.0).exp());
             expressed.extend([creep, settling].map(|function| (Variable::Time, function)));
         }
         Self {
             count: rows.len(),
             position: (0..3)
-                .filter_map(|k| known(Variable::Position(k)))
+                .filter_map(|k| scaled(Variable::Position(k)))
                 .collect(),
             rotation: (0..3)
-                .filter_map(|k| known(Variable::Rotation(k)))
+                .filter_map(|k| scaled(Variable::Rotation(k)))
                 .collect(),
-            tension: known(Variable::Tension),
+            tension: scaled(Variable::Tension),
             time,
             expressed,
         }
     }
 
     /// A constant and the functions of a variable that effects of the catalogue express.
-    pub fn expressed(&self, of: Variable) -> Vec<DVector<f64>> {
+    pub fn expressed(&self, variable: Variable) -> Vec<DVector<f64>> {
         let constant = DVector::from_element(self.count, 1.0);
-        let own = self
-            .expressed
-            .iter()
-            .filter(|(variable, _)| *variable == of);
-        let own = own.map(|(_, function)| function.clone());
-        std::iter::once(constant).chain(own).collect()
+        let functions = self.expressed.iter().filter(|(v, _)| *v == variable);
+        let functions = functions.map(|(_, function)| function.clone());
+        std::iter::once(constant).chain(functions).collect()
     }
 
     /// The functions of a group, one row per reading: those that effects express and those that none expresses. The
     /// latter have a joint root mean square of 1. `None` if there are none of them.
     fn of_group(&self, group: Group) -> Option<[DMatrix<f64>; 2]> {
-        let [low_order, found] = self.functions(group);
-        let total: f64 = found.iter().map(|(_, size)| size * size).sum();
+        let [low_order, unexpressed] = self.functions(group);
+        let total: f64 = unexpressed.iter().map(|(_, size)| size * size).sum();
         let scale = (self.count as f64 / total).sqrt();
-        let sized = |all: &WeightedFunctions| {
-            let columns: Vec<_> = all.iter().map(|(f, size)| f * (scale * size)).collect();
+        let sized = |set: &WeightedFunctions| {
+            let columns: Vec<_> = set.iter().map(|(f, size)| f * (scale * size)).collect();
             DMatrix::from_columns(&columns)
         };
-        (!found.is_empty()).then(|| [sized(&low_order), sized(&found)])
+        (!unexpressed.is_empty()).then(|| [sized(&low_order), sized(&unexpressed)])
     }
 
     /// Orthonormal functions of a group: those that effects express, and those that none expresses.
@@ -189,16 +184,16 @@ impl ScaledVariables {
         for (_, function) in &self.expressed {
             basis.extend(orthogonal_component(&basis, function));
         }
-        let mut found: WeightedFunctions = Vec::new();
+        let mut unexpressed: WeightedFunctions = Vec::new();
         for (function, size) in wanted {
-            let has_room = found.len() < self.count / READINGS_PER_BACKGROUND_FUNCTION
+            let has_room = unexpressed.len() < self.count / READINGS_PER_BACKGROUND_FUNCTION
                 && basis.len() < self.count;
             if let Some(new) = orthogonal_component(&basis, &function).filter(|_| has_room) {
                 basis.push(new.clone());
-                found.push((new, size));
+                unexpressed.push((new, size));
             }
         }
-        [low_order, found]
+        [low_order, unexpressed]
     }
 
     fn of_position(&self) -> [WeightedFunctions; 2] {
@@ -256,10 +251,10 @@ pub(super) fn orthogonal_component(
     let mut rest = function.clone();
     // A second pass removes the rounding error of the first.
     for _ in 0..2 {
-        for known in basis {
-            rest.axpy(-known.dot(&rest), known, 1.0);
+        for unit in basis {
+            rest.axpy(-unit.dot(&rest), unit, 1.0);
         }
     }
-    let left = rest.norm();
-    (left > MIN_INDEPENDENT_PART * norm && norm > 0.0).then(|| rest / left)
+    let remainder = rest.norm();
+    (remainder > MIN_INDEPENDENT_PART * norm && norm > 0.0).then(|| rest / remainder)
 }

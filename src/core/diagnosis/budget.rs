@@ -1,4 +1,4 @@
-//! Limits of the work of a diagnosis and of its arithmetic. Wider ones would cost time and hardly change an answer.
+//! Limits of the work of a diagnosis and of its arithmetic. Wider limits would cost time and hardly change a result.
 
 use crate::measurement::MostRows;
 
@@ -50,14 +50,14 @@ pub(super) const MAX_STEPS_WITH_CAUSES: usize = 40;
 pub(super) const FAR_FROM_NOISE: f64 = 5.0;
 /// Chi-square per degree of freedom above which a fit of exact parts is compared with one of parts within their tolerances.
 pub(super) const MORE_THAN_NOISE: f64 = 1.2;
-/// Share of what is more than noise up to which the fit with the deviations may leave it for them to explain it.
+/// Largest share of the excess over noise that the fit with deviations may leave if it is to be used.
 pub(super) const MOST_LEFT: f64 = 0.5;
 /// Number of steps after which a fit is abandoned if it is still worse than the best one found. Readings far from the
 /// model need more steps than others.
 pub(super) const PATIENCE_FAR_FROM_NOISE: usize = 25;
 /// Number of the best sets that are fitted in each step far from the noise.
 pub(super) const MAX_BEST_SETS: usize = 5;
-/// Number of kinds of which the best set with one cause more is fitted, too.
+/// Number of kinds for which the best set with one more cause is fitted, too.
 pub(super) const MAX_KINDS: usize = 8;
 /// Number of steps after which a fit is abandoned if chi-square is still too large; the right exchange converges in
 /// half as many.
@@ -73,11 +73,11 @@ pub const MOST_DIAGNOSED_ROWS: MostRows = MostRows {
 pub(super) const LARGEST_SHARE_OF_SLACK: f64 = 0.4;
 /// Maximum number of cables without force sensors that are tried as slack.
 pub(super) const MAX_SLACK_CABLES: usize = 2;
-/// Maximum number of poses at which one is slack without its force sensor saying so.
+/// Maximum number of poses at which a cable without a force sensor can be found slack.
 pub(super) const MAX_SLACK_POSES: usize = 40;
-/// Redundancy below which the residual of a length says nothing about the noise.
+/// Redundancy below which the residual of a length does not determine the noise.
 pub(super) const MIN_REDUNDANCY_OF_NOISE: f64 = 0.05;
-/// Redundancy below which a length says nothing about whether its cable is slack.
+/// Redundancy below which a length does not show whether its cable is slack.
 pub(super) const MIN_REDUNDANCY_OF_SLACK: f64 = 0.01;
 /// Smallest decrease of chi-square for which a pose counts as one at which a cable may be slack.
 pub(super) const MIN_RELIEF: f64 = 6.0;
@@ -117,7 +117,7 @@ pub(super) const MIN_VARIANCE_STEP: f64 = 0.1;
 pub(super) const MIN_FREEDOM: f64 = 2.0;
 /// Minimum number of cables for deciding that one of them differs from the others.
 pub(super) const MIN_CABLES: usize = 3;
-/// Redundancy below which the residual of a reading says nothing about its error.
+/// Redundancy below which the residual of a reading does not show its error.
 pub(super) const MIN_REDUNDANCY_OF_TAILS: f64 = 0.1;
 /// Share of its prior standard deviation from which on a component of a wrong reading is not determined.
 pub(super) const UNDETERMINED: f64 = 0.5;
@@ -174,7 +174,7 @@ pub(super) const PROJECTOR_THRESHOLD: f64 = 0.5;
 pub(super) const MIN_VISIBLE_VARIANCE: f64 = 3e-3;
 /// Smallest share of a function's norm that must remain after projection for it to count as new.
 pub(super) const MIN_INDEPENDENT_PART: f64 = 0.05;
-/// Share of the stated variance of a pattern of pulleys below which the readings say nothing of it.
+/// Share of its stated variance below which a pattern of pulleys is not determined by the readings.
 pub(super) const MIN_KNOWN_SHARE: f64 = 1e-6;
 /// Directions of the functions whose share in the residuals is smaller than this are left out.
 pub(super) const MIN_VISIBLE_SHARE: f64 = 1e-6;

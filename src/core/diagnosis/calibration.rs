@@ -1,4 +1,4 @@
-//! Decisions on computed probabilities: from where on something is said, and how a computed probability becomes a stated one.
+//! Thresholds of decisions on computed probabilities, and the calibration of stated probabilities.
 
 // What is named and listed.
 /// Probability from which a cause is named, or several together are listed.
@@ -11,11 +11,11 @@ pub(super) const DECISIVE_CHI2: f64 = 9.0;
 pub(super) const EXCESS_LEVEL: f64 = 0.01;
 
 // Exchanged channels.
-/// Chi-square per degree of freedom above which an exchange is looked for, because wrong channels make huge residuals.
+/// Chi-square per degree of freedom above which exchanges are tested, because wrong channels cause huge residuals.
 pub(super) const HUGE_CHI2: f64 = 4.0;
 /// Share of the excess chi-square that may remain after an exchange of channels, for example that of a second one.
 pub(super) const MAX_REMAINING_EXCESS: f64 = 0.25;
-/// Share of the excess chi-square that an exchange must remove for another one to be looked for beside it.
+/// Share of the excess chi-square that an exchange must remove for a further exchange to be sought.
 pub(super) const PART_OF_EXCESS: f64 = 0.2;
 /// Difference of chi-square that separates one exchange from another.
 pub(super) const DISTINGUISHING_CHI2: f64 = 9.0;
@@ -37,8 +37,8 @@ const SLOPE: f64 = 0.64;
 /// Stated probability where the computed one is 1: errors outside the catalogue may look exactly like a cause of typical size.
 const CEILING: f64 = 0.991;
 
-/// The stated probability of a computed one, `c s(a + b logit p)` with the logistic function `s`. The evidence knows only
-/// the causes of the catalogue and a few forms of errors, so that what it computes is too sure on real machines.
+/// The stated probability of a computed one, `c s(a + b logit p)` with the logistic function `s`. The evidence knows only the
+/// causes of the catalogue and a few forms of errors, so that the computed probabilities are overconfident on real machines.
 #[must_use]
 pub fn stated_probability(computed: f64) -> f64 {
     let odds = (computed / (1.0 - computed)).powf(SLOPE) * OFFSET.exp();
@@ -48,8 +48,9 @@ pub fn stated_probability(computed: f64) -> f64 {
     }
 }
 
-/// Ratio of the stated probability of a cause of atypical size to that of one of typical size: an error outside the catalogue that
-/// looks exactly like it is as probable as ever, but such a size is rarer by the factor `exp(log_rarity)`.
+/// Ratio of the stated probability of a cause of atypical size to that of one of typical size: an error outside the catalogue
+/// that looks the same is as probable as for a typical size, but such a size of the cause is rarer by the factor
+/// `exp(log_rarity)`.
 pub(super) fn share_of_atypical_size(log_rarity: f64) -> f64 {
     1.0 / (CEILING + (1.0 - CEILING) * log_rarity.exp())
 }
@@ -57,7 +58,7 @@ pub(super) fn share_of_atypical_size(log_rarity: f64) -> f64 {
 // Errors without a name.
 /// Log posterior odds from which an unmodelled error is reported.
 pub(super) const REPORTED_LOG_ODDS: f64 = 5.0;
-/// Log odds of an unmodelled error in place of a cause below which it is ignored.
+/// Log odds below which an unmodelled error in place of a cause is ignored.
 pub(super) const NEGLIGIBLE_LOG_ODDS: f64 = -6.0;
 /// Share of the chi-square explained by an error from which a cause with no more parameters is preferred. Without this rule,
 /// development data sets lose true causes to errors, some of them named as unknown.

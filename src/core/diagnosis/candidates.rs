@@ -14,7 +14,7 @@ use super::relations::{
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search, amplitude_of};
 
-/// How the effect of a generator depends on the pose.
+/// Dependence of the effect of a generator on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PoseWeights {
     /// The same at all poses.
@@ -29,7 +29,7 @@ pub(super) enum PoseWeights {
 
 /// A column of the linearised problem: a generator with its weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Column {
+pub(super) struct CandidateColumn {
     pub generator: usize,
     pub pose_weights: PoseWeights,
 }
@@ -43,7 +43,7 @@ pub(super) struct Candidate {
     pub cables: u64,
     /// Label of the pose of an event, or period of a wave; NaN for other effects.
     pub place: f64,
-    pub columns: Vec<Column>,
+    pub columns: Vec<CandidateColumn>,
     /// Factor `F` of the prior covariance `F F^T` of the coordinates at scale 1.
     pub prior: DMatrix<f64>,
     /// Factors of `prior`, the scales of the size prior, each with its log probability.
@@ -70,7 +70,7 @@ impl Candidate {
         self.effect().pose_parameter().is_some()
     }
 
-    /// Whether each of several cables has its own value.
+    /// Whether this is an effect on several cables with one value for each.
     pub fn is_family(&self) -> bool {
         self.cause.instances.len() > 1
     }
@@ -84,7 +84,7 @@ impl Candidate {
             && bound.effect.search() == Search::Direct
     }
 
-    /// Whether all cables share one value.
+    /// Whether this is an effect on all cables with one common value.
     fn is_common(&self) -> bool {
         self.effect().scope() == Scope::CableOrAll && !self.cause.instances[0].targeted
     }
@@ -109,7 +109,7 @@ impl Candidate {
         is_same_kind(self.effect(), other.effect()) && (self.is_family() || other.is_family())
     }
 
-    /// The cause with the parameters that an estimate of its coordinates stands for.
+    /// The cause with the parameter values that correspond to an estimate of its coordinates.
     pub fn estimated(&self, estimate: &[f64]) -> Cause {
         let mut cause = self.cause.clone();
         let mut numbers = estimate.iter().copied();
@@ -238,11 +238,11 @@ pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
 /// Log ratio of the prior densities at the largest typical size and at a size, given as a multiple of that.
 pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
     let density = |size: f64| {
-        let of = |(scale, log_amplitude_prior): (f64, f64)| {
+        let weighted = |(scale, log_amplitude_prior): (f64, f64)| {
             log_amplitude_prior.exp() / scale
                 * (-0.5 * (size / (RELATIVE_SD * scale)).powi(2)).exp()
         };
-        scales(parameter).into_iter().map(of).sum::<f64>()
+        scales(parameter).into_iter().map(weighted).sum::<f64>()
     };
     density(1.0).ln() - density(size.max(1.0)).max(f64::MIN_POSITIVE).ln()
 }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{COLUMNS_AT_ONCE, FREQUENCIES_PER_WAVE, MAX_PERIODS};
 use super::candidates::{
-    Candidate, Column, PoseWeights, prior_sd, probe_offset, scales, size_parameter,
+    Candidate, CandidateColumn, PoseWeights, prior_sd, probe_offset, scales, size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
@@ -53,7 +53,7 @@ impl Catalogue {
         let shown_by_motion = if data.rates.is_some() { IN_MOTION } else { &[] };
         let is_tracked = fit.problem.dataset.robot.tracker.is_some();
         let shown_by_poses = if is_tracked { OF_EXTERNAL_POSES } else { &[] };
-        let known = || {
+        let effects = || {
             CATALOGUE
                 .iter()
                 .chain(shown_by_poses)
@@ -61,7 +61,7 @@ impl Catalogue {
         };
         let turns = fit.problem.dataset.robot.platform.turns();
         let tested = || {
-            let tested = known().filter(|e| e.search() != Search::Exchange);
+            let tested = effects().filter(|e| e.search() != Search::Exchange);
             tested.filter(|e| turns || e.id() != ATTACHMENT)
         };
         let each = EXPECTED_CAUSES / tested().count() as f64;
@@ -71,10 +71,10 @@ impl Catalogue {
             builder.add(effect, expected);
         }
         builder.add_shared(|effect| {
-            let own = hypotheses
+            let hypothesis = hypotheses
                 .iter()
-                .find(|(known, _)| std::ptr::eq(*known, effect));
-            own.map_or(each, |(_, expected)| *expected)
+                .find(|(one, _)| std::ptr::eq(*one, effect));
+            hypothesis.map_or(each, |(_, expected)| *expected)
         });
         builder.build()
     }
@@ -84,7 +84,7 @@ impl Catalogue {
     /// A column as conditions, given the generators as conditions.
     pub fn column(
         &self,
-        column: Column,
+        column: CandidateColumn,
         generators: &DMatrix<f64>,
         conditions: &Conditions,
     ) -> DVector<f64> {
@@ -98,8 +98,8 @@ impl Catalogue {
             } else {
                 0.0
             };
-            let own = block.conditions.clone();
-            values.rows_mut(own.start, own.len()).scale_mut(weight);
+            let range = block.conditions.clone();
+            values.rows_mut(range.start, range.len()).scale_mut(weight);
         }
         values
     }
@@ -156,16 +156,16 @@ impl Builder<'_> {
     fn generator(&mut self, bound: &BoundEffect, parameter: usize) -> usize {
         let bits = |b: &BoundEffect| b.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         let same = |other: &BoundEffect| other.has_target_of(bound) && bits(other) == bits(bound);
-        let known = self.bounds.iter().position(same);
-        let index = known.unwrap_or_else(|| {
+        let existing = self.bounds.iter().position(same);
+        let index = existing.unwrap_or_else(|| {
             self.bounds.push(bound.clone());
             self.bounds.len() - 1
         });
-        let known = self
+        let existing = self
             .generators
             .iter()
             .position(|g| *g == (index, parameter));
-        known.unwrap_or_else(|| {
+        existing.unwrap_or_else(|| {
             self.generators.push((index, parameter));
             self.generators.len() - 1
         })
@@ -174,22 +174,22 @@ impl Builder<'_> {
     /// Adds all candidates of an effect; `expected` is the prior expectation of their number.
     fn add(&mut self, effect: &'static Effect, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
-        let all: Vec<usize> = (0..cables).collect();
+        let indices: Vec<usize> = (0..cables).collect();
         let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
             effect,
             cables,
             targeted,
             values: effect.parameters().iter().map(|p| p.start).collect(),
         };
-        let whole = || vec![bound(all.clone(), false)];
-        let each = || all.iter().map(|c| bound(vec![*c], true));
+        let whole = || vec![bound(indices.clone(), false)];
+        let each = || indices.iter().map(|c| bound(vec![*c], true));
         let mut targets: Vec<(Vec<BoundEffect>, f64)> = Vec::new();
         match effect.scope() {
             Scope::Robot => targets.push((whole(), 1.0)),
             Scope::Pair => {
-                let pairs = all
+                let pairs = indices
                     .iter()
-                    .flat_map(|a| all[a + 1..].iter().map(|b| vec![*a, *b]));
+                    .flat_map(|a| indices[a + 1..].iter().map(|b| vec![*a, *b]));
                 let pairs: Vec<Vec<usize>> = pairs.collect();
                 let share = 1.0 / pairs.len() as f64;
                 targets.extend(pairs.into_iter().map(|p| (vec![bound(p, true)], share)));
@@ -215,8 +215,8 @@ impl Builder<'_> {
     fn add_shared(&mut self, expected: impl Fn(&Effect) -> f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
-            let known = self.candidates.iter().any(|c| c.represents(cause));
-            if !known && cause.effect().search() != Search::Exchange {
+            let is_known = self.candidates.iter().any(|c| c.represents(cause));
+            if !is_known && cause.effect().search() != Search::Exchange {
                 let mut start = cause.clone();
                 for bound in &mut start.instances {
                     bound.values = bound.effect.parameters().iter().map(|p| p.start).collect();
@@ -263,16 +263,16 @@ impl Builder<'_> {
         &mut self,
         cause: &Cause,
         pose_weights: impl Fn(usize) -> PoseWeights,
-    ) -> Vec<Column> {
+    ) -> Vec<CandidateColumn> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
-            let mut at = bound.clone();
-            for (value, p) in at.values.iter_mut().zip(at.effect.parameters()) {
+            let mut probe = bound.clone();
+            for (value, p) in probe.values.iter_mut().zip(probe.effect.parameters()) {
                 *value = p.neutral + probe_offset(p);
             }
-            for k in at.effect.estimable() {
-                let generator = self.generator(&at, k);
-                columns.push(Column {
+            for k in probe.effect.estimable() {
+                let generator = self.generator(&probe, k);
+                columns.push(CandidateColumn {
                     generator,
                     pose_weights: pose_weights(columns.len()),
                 });
@@ -282,15 +282,15 @@ impl Builder<'_> {
     }
 
     /// Sine and cosine columns of a wave with a known period.
-    fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<Column> {
+    fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<CandidateColumn> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
             for angle in [0.0, FRAC_PI_2] {
-                let mut at = bound.clone();
-                at.values.fill(0.0);
-                at.values[phase] = angle;
-                columns.push(Column {
-                    generator: self.generator(&at, amplitude_of(phase, None)),
+                let mut probe = bound.clone();
+                probe.values.fill(0.0);
+                probe.values[phase] = angle;
+                columns.push(CandidateColumn {
+                    generator: self.generator(&probe, amplitude_of(phase, None)),
                     pose_weights: PoseWeights::Everywhere,
                 });
             }
@@ -302,27 +302,27 @@ impl Builder<'_> {
     fn add_periods(&mut self, cause: &Cause, (phase, period): (usize, usize), expected: f64) {
         // The derivative of a wave of infinite period at its crest is a constant, to which the weights of each pose
         // apply.
-        let mut at = cause.instances[0].clone();
-        at.values.fill(0.0);
-        at.values[period] = f64::INFINITY;
-        at.values[phase] = FRAC_PI_2;
-        let generator = self.generator(&at, amplitude_of(phase, Some(period)));
+        let mut probe = cause.instances[0].clone();
+        probe.values.fill(0.0);
+        probe.values[period] = f64::INFINITY;
+        probe.values[phase] = FRAC_PI_2;
+        let generator = self.generator(&probe, amplitude_of(phase, Some(period)));
         let typical = cause.effect().parameters()[period].typical;
         let mut periods = periods(typical, &self.distances);
         let present = self.fit.causes.iter().flat_map(|c| &c.instances);
         for bound in present.filter(|b| b.effect.id() == cause.effect().id()) {
-            let own = bound.values[period];
+            let fitted = bound.values[period];
             let nearest = (0..periods.len()).min_by(|a, b| {
-                let off = |k: usize| (periods[k] - own).abs();
+                let off = |k: usize| (periods[k] - fitted).abs();
                 off(*a).total_cmp(&off(*b))
             });
             if let Some(k) = nearest {
-                periods[k] = own;
+                periods[k] = fitted;
             }
         }
         let count = periods.len();
         for period in periods {
-            let column = |cosine| Column {
+            let column = |cosine| CandidateColumn {
                 generator,
                 pose_weights: PoseWeights::Wave { period, cosine },
             };
@@ -338,13 +338,13 @@ impl Builder<'_> {
         pose_weights: impl Fn(usize) -> PoseWeights,
         expected: f64,
     ) {
-        let mut at = cause.clone();
-        for bound in &mut at.instances {
+        let mut event = cause.clone();
+        for bound in &mut event.instances {
             // NaN makes the event act at every pose; the column weights then select the poses.
             bound.values[pose] = f64::NAN;
         }
         let mut generators = Vec::new();
-        for bound in &at.instances {
+        for bound in &event.instances {
             for k in bound.effect.estimable() {
                 generators.push(self.generator(bound, k));
             }
@@ -356,7 +356,7 @@ impl Builder<'_> {
         }
         let count = places.len();
         for place in places {
-            let columns = generators.iter().map(|generator| Column {
+            let columns = generators.iter().map(|generator| CandidateColumn {
                 generator: *generator,
                 pose_weights: pose_weights(place),
             });
@@ -369,7 +369,7 @@ impl Builder<'_> {
     fn push(
         &mut self,
         cause: &Cause,
-        columns: Vec<Column>,
+        columns: Vec<CandidateColumn>,
         (place, places): (f64, usize),
         expected: f64,
     ) {
@@ -388,9 +388,9 @@ impl Builder<'_> {
             return;
         }
         let present = |bound: &BoundEffect, k: usize| {
-            let found = self.fit.causes.iter().flat_map(|c| &c.instances);
+            let instances = self.fit.causes.iter().flat_map(|c| &c.instances);
             let mut same =
-                found.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
+                instances.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
             same.next()
                 .map_or(0.0, |b| b.values[k] - effect.parameters()[k].neutral)
         };
@@ -443,22 +443,22 @@ impl Builder<'_> {
         });
     }
 
-    /// Whether the model has a cause on each of its cables already, at the same pose or with the same period.
+    /// Whether the model already has the effect on all cables of a cause, at the same pose or with the same period.
     fn is_in_model(&self, cause: &Cause, place: f64) -> bool {
         let model = &self.fit.problem.free_effects[..self.fit.model_effects()];
         let is_at_place =
             |bound: &BoundEffect| is_same_place(bound.effect, place_of(bound), place, 0.0);
         let alike = |bound: &&BoundEffect| bound.effect.id() == cause.effect().id();
-        let known: Vec<_> = model
+        let present: Vec<_> = model
             .iter()
             .filter(alike)
             .filter(|b| is_at_place(b))
             .collect();
-        let has = |cables: &[usize]| known.iter().any(|bound| bound.cables == cables);
+        let has = |cables: &[usize]| present.iter().any(|bound| bound.cables == cables);
         let is_known = |bound: &BoundEffect| {
             has(&bound.cables) || bound.cables.iter().all(|cable| has(&[*cable]))
         };
-        !known.is_empty() && cause.instances.iter().all(is_known)
+        !present.is_empty() && cause.instances.iter().all(is_known)
     }
 
     fn build(self) -> Catalogue {
@@ -478,9 +478,9 @@ impl Builder<'_> {
                 let ParameterId::Effect { effect, parameter } = parameter.id else {
                     continue;
                 };
-                let own = |g: &(usize, usize)| *g == (first + effect - present, parameter);
+                let is_same = |g: &(usize, usize)| *g == (first + effect - present, parameter);
                 if effect >= present
-                    && let Some(k) = self.generators.iter().position(own)
+                    && let Some(k) = self.generators.iter().position(is_same)
                 {
                     let from = linear.design.view((0, column), (rows, 1));
                     generators.column_mut(k).copy_from(&from);
@@ -590,11 +590,9 @@ fn choices_of_several(count: usize, cables: usize) -> f64 {
     (cables - 2).max(1) as f64 * binomial(cables, count)
 }
 
-/// Binomial coefficient: number of ways to choose `some` of `of`.
-fn binomial(of: usize, some: usize) -> f64 {
-    (0..some)
-        .map(|k| (of - k) as f64 / (k + 1) as f64)
-        .product()
+/// Binomial coefficient: number of ways to choose `k` of `n`.
+fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product()
 }
 
 /// Weight of a wave at a value of its variable.

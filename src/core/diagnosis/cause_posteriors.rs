@@ -1,4 +1,4 @@
-//! Posterior probabilities of the causes of the most probable set, and of what replaces them in other sets.
+//! Posterior probabilities of the causes of the most probable set, and of their replacements in other sets.
 
 use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBABILITY};
 use super::calibration::{NAMING_PROBABILITY, stated_probability};
@@ -11,9 +11,9 @@ use crate::effect::Search;
 #[derive(Debug, Clone)]
 pub(super) struct CausePosterior {
     pub probability: f64,
-    /// What replaces it in the other sets, most probable first.
+    /// Replacements of the cause in the other sets, most probable first.
     pub alternatives: Vec<PossibleCause>,
-    /// Probability of the cause and of all that replaces it in the other sets, listed or not.
+    /// Probability of the cause and of all its replacements in the other sets, listed or not.
     pub with_replacements: f64,
 }
 
@@ -25,11 +25,11 @@ impl CausePosterior {
 
     /// The cause and its alternatives as possible causes.
     pub fn as_possible(&self, cause: &Cause) -> impl Iterator<Item = PossibleCause> {
-        let own = PossibleCause {
+        let named = PossibleCause {
             cause: cause.clone(),
             probability: self.probability,
         };
-        std::iter::once(own).chain(self.alternatives.iter().cloned())
+        std::iter::once(named).chain(self.alternatives.iter().cloned())
     }
 
     pub fn is_named(&self) -> bool {
@@ -50,8 +50,8 @@ pub(super) fn stated_causes(mut possible: Vec<PossibleCause>) -> Vec<PossibleCau
         probability: stated_probability(other.probability.min(1.0)),
         ..other
     };
-    let all = possible.into_iter().map(stated);
-    all.filter(|other| other.probability >= MIN_POSSIBLE_PROBABILITY)
+    let list = possible.into_iter().map(stated);
+    list.filter(|other| other.probability >= MIN_POSSIBLE_PROBABILITY)
         .collect()
 }
 
@@ -76,71 +76,67 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
     for set in ranking {
         let share = weight(set) / total;
         let causes = with_matching_waves(&set.causes, &first.causes);
-        let is_spare = |cause: &&Cause| first.causes.iter().all(|own| !covers(cause, own));
+        let is_spare = |cause: &&Cause| first.causes.iter().all(|present| !covers(cause, present));
         let mut spare: Vec<&Cause> = causes.iter().filter(is_spare).collect();
         // Several causes of a set, such as cables of a family, may be one among the others.
         let mut counted = Vec::new();
         for cause in &spare {
-            let place = place_of(&mut beside, cause);
-            if !counted.contains(&place) {
-                beside[place].probability += share;
-                counted.push(place);
+            let index = place_of(&mut beside, cause);
+            if !counted.contains(&index) {
+                beside[index].probability += share;
+                counted.push(index);
             }
         }
         let mut missing: Vec<usize> = Vec::new();
-        for (place, own) in first.causes.iter().enumerate() {
-            if is_covered_by(&causes, own) {
-                probability[place] += share;
+        for (index, cause) in first.causes.iter().enumerate() {
+            if is_covered_by(&causes, cause) {
+                probability[index] += share;
             } else {
-                missing.push(place);
+                missing.push(index);
             }
         }
         // Several cables of a family may have values of their own while the others have none.
-        missing.retain(|place| {
-            let (mut some, left): (Vec<&Cause>, Vec<&Cause>) = spare
+        missing.retain(|index| {
+            let (mut some, rest): (Vec<&Cause>, Vec<&Cause>) = spare
                 .iter()
-                .partition(|cause| is_family_member(cause, &first.causes[*place]));
+                .partition(|cause| is_family_member(cause, &first.causes[*index]));
             if some.len() < 2 {
                 return true;
             }
-            spare = left;
+            spare = rest;
             some.sort_by_key(|cause| cause.cables());
             let instances = some.iter().flat_map(|cause| cause.instances.clone());
             let together = Cause {
                 instances: instances.collect(),
             };
-            add_probability(&mut others[*place], &together, share);
+            add_probability(&mut others[*index], &together, share);
             false
         });
         // A cause on the same cable is the first choice for a replacement.
-        missing.retain(|place| {
-            let cables = first.causes[*place].cables();
+        missing.retain(|index| {
+            let cables = first.causes[*index].cables();
             let overlaps = |cause: &&Cause| cause.cables().iter().any(|c| cables.contains(c));
             let instead = spare.iter().position(overlaps);
             if let Some(instead) = instead {
-                add_probability(&mut others[*place], spare.remove(instead), share);
+                add_probability(&mut others[*index], spare.remove(instead), share);
             }
             instead.is_none()
         });
         // A family that covers another cause of the set may also replace this one.
         let is_wider = |cause: &&Cause| {
-            let mut supported = first
-                .causes
-                .iter()
-                .filter(|of| covers(cause, of))
-                .peekable();
-            supported.peek().is_some() && supported.all(|of| !is_same_effect_and_targets(cause, of))
+            let mut supported = first.causes.iter().filter(|c| covers(cause, c)).peekable();
+            supported.peek().is_some() && supported.all(|c| !is_same_effect_and_targets(cause, c))
         };
         let wider = causes.iter().find(is_wider);
-        for place in missing {
+        for index in missing {
             let instead = (!spare.is_empty()).then(|| spare.remove(0)).or(wider);
             if let Some(instead) = instead {
-                add_probability(&mut others[place], instead, share);
+                add_probability(&mut others[index], instead, share);
             }
         }
     }
     let posterior =
-        |((probability, mut alternatives), own): ((f64, Vec<PossibleCause>), &Cause)| {
+        |((probability, mut alternatives), cause): ((f64, Vec<PossibleCause>), &Cause)| {
             alternatives.sort_by(|a, b| b.probability.total_cmp(&a.probability));
             let replacements: f64 = alternatives.iter().map(|a| a.probability).sum();
             // Rounding can make the sum of weights exceed 1.
@@ -151,7 +147,7 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
             for alternative in alternatives {
                 // The same event at another pose is not another cause.
                 let listed = kept.iter().map(|k| &k.cause);
-                if std::iter::once(own)
+                if std::iter::once(cause)
                     .chain(listed)
                     .any(|c| is_same_effect_and_targets(c, &alternative.cause))
                 {
@@ -173,8 +169,8 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
                 with_replacements,
             }
         };
-    let known = probability.into_iter().zip(others);
-    let posteriors: Vec<CausePosterior> = known.zip(&first.causes).map(posterior).collect();
+    let weighted = probability.into_iter().zip(others);
+    let posteriors: Vec<CausePosterior> = weighted.zip(&first.causes).map(posterior).collect();
     let listed = |cause: &Cause| {
         posteriors
             .iter()
@@ -197,7 +193,7 @@ fn with_matching_waves(set: &[Cause], other: &[Cause]) -> Vec<Cause> {
             }
         )
     };
-    let has = |all: &[Cause], cause: &Cause| all.iter().any(|c| covers(c, cause));
+    let has = |causes: &[Cause], cause: &Cause| causes.iter().any(|c| covers(c, cause));
     let mut unmatched = other.iter().filter(is_wave).filter(|c| !has(set, c));
     let matched = |cause: &Cause| {
         let is_unmatched = is_wave(&cause) && !has(other, cause);
@@ -207,20 +203,20 @@ fn with_matching_waves(set: &[Cause], other: &[Cause]) -> Vec<Cause> {
     set.iter().map(matched).collect()
 }
 
-fn add_probability(all: &mut Vec<PossibleCause>, cause: &Cause, probability: f64) {
-    let place = place_of(all, cause);
-    all[place].probability += probability;
+fn add_probability(causes: &mut Vec<PossibleCause>, cause: &Cause, probability: f64) {
+    let index = place_of(causes, cause);
+    causes[index].probability += probability;
 }
 
-/// The place of a cause in a list, to which it is added if nothing there covers it.
-fn place_of(all: &mut Vec<PossibleCause>, cause: &Cause) -> usize {
-    let known = all.iter().position(|known| covers(&known.cause, cause));
-    known.unwrap_or_else(|| {
-        all.push(PossibleCause {
+/// Index of a cause in a list, to which it is added unless a cause of the list covers it.
+fn place_of(causes: &mut Vec<PossibleCause>, cause: &Cause) -> usize {
+    let index = causes.iter().position(|other| covers(&other.cause, cause));
+    index.unwrap_or_else(|| {
+        causes.push(PossibleCause {
             cause: cause.clone(),
             probability: 0.0,
         });
-        all.len() - 1
+        causes.len() - 1
     })
 }
 

@@ -18,11 +18,11 @@ pub(super) fn set_probabilities(ranking: &[RankedSet]) -> Vec<CauseSet> {
     if !total.is_finite() {
         return Vec::new();
     }
-    let of = |set: &RankedSet| CauseSet {
+    let cause_set = |set: &RankedSet| CauseSet {
         causes: set.causes.clone(),
         probability: (set.log_posterior - total).exp(),
     };
-    let mut sets: Vec<CauseSet> = ranking.iter().map(of).collect();
+    let mut sets: Vec<CauseSet> = ranking.iter().map(cause_set).collect();
     sets.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     sets
 }

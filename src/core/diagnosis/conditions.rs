@@ -64,7 +64,7 @@ impl Conditions {
             *index = place;
         }
         let class = |row: usize| ids[row].as_ref().map(|id| index[id]);
-        let mut found = Self {
+        let mut conditions = Self {
             blocks: Vec::new(),
             poses: linear.poses.len(),
             count: 0,
@@ -72,7 +72,7 @@ impl Conditions {
         };
         for pose in &linear.poses {
             let classes = pose.rows.clone().map(class).collect();
-            found.push(pose.rows.clone(), range_basis(&pose.remainder), classes);
+            conditions.push(pose.rows.clone(), range_basis(&pose.remainder), classes);
         }
         let first = linear.poses.last().map_or(0, |pose| pose.rows.end);
         for row in first..linear.rows.len() {
@@ -81,9 +81,9 @@ impl Conditions {
             {
                 continue;
             }
-            found.push(row..row + 1, DMatrix::identity(1, 1), vec![class(row)]);
+            conditions.push(row..row + 1, DMatrix::identity(1, 1), vec![class(row)]);
         }
-        found
+        conditions
     }
 
     fn push(&mut self, rows: Range<usize>, basis: DMatrix<f64>, classes: Vec<Option<usize>>) {
@@ -101,9 +101,9 @@ impl Conditions {
     pub fn project_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let mut conditions = DMatrix::zeros(self.count, rows.ncols());
         for block in &self.blocks {
-            let own = rows.rows(block.rows.start, block.rows.len());
+            let part = rows.rows(block.rows.start, block.rows.len());
             let mut to = conditions.rows_mut(block.conditions.start, block.conditions.len());
-            to.gemm(1.0, &block.basis, &own, 0.0);
+            to.gemm(1.0, &block.basis, &part, 0.0);
         }
         conditions
     }
@@ -137,8 +137,8 @@ impl Conditions {
     pub fn variances(&self, variance: &[f64], columns: &DMatrix<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; columns.ncols()];
         for block in &self.blocks {
-            let own = columns.rows(block.conditions.start, block.conditions.len());
-            let rows = block.basis.tr_mul(&own);
+            let part = columns.rows(block.conditions.start, block.conditions.len());
+            let rows = block.basis.tr_mul(&part);
             for (sum, column) in sums.iter_mut().zip(rows.column_iter()) {
                 for (value, class) in column.iter().zip(&block.classes) {
                     *sum += class.map_or(1.0, |k| variance[k]) * value * value;
@@ -157,8 +157,8 @@ impl Conditions {
             log_determinant: 0.0,
         };
         for block in &self.blocks {
-            let of = |class: &Option<usize>| class.map_or(1.0, |k| variance[k]);
-            let row: Vec<f64> = block.classes.iter().map(of).collect();
+            let variance_of = |class: &Option<usize>| class.map_or(1.0, |k| variance[k]);
+            let row: Vec<f64> = block.classes.iter().map(variance_of).collect();
             if row.iter().all(|v| *v == 1.0) {
                 noise.factors.push(None);
                 continue;
@@ -184,13 +184,13 @@ impl Conditions {
 pub(super) fn concatenate_columns(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
     let rows = parts.first().map_or(0, |part| part.nrows());
     let width = parts.iter().map(|part| part.ncols()).sum();
-    let mut all = DMatrix::zeros(rows, width);
+    let mut joined = DMatrix::zeros(rows, width);
     let mut first = 0;
     for part in parts {
-        all.columns_mut(first, part.ncols()).copy_from(part);
+        joined.columns_mut(first, part.ncols()).copy_from(part);
         first += part.ncols();
     }
-    all
+    joined
 }
 
 impl Noise<'_> {
@@ -198,9 +198,9 @@ impl Noise<'_> {
     pub fn whiten(&self, x: &mut DMatrix<f64>) {
         for (block, factor) in self.conditions.blocks.iter().zip(&self.factors) {
             if let Some(factor) = factor {
-                let mut own = x.rows_mut(block.conditions.start, block.conditions.len());
-                let whitened = factor * &own;
-                own.copy_from(&whitened);
+                let mut part = x.rows_mut(block.conditions.start, block.conditions.len());
+                let whitened = factor * &part;
+                part.copy_from(&whitened);
             }
         }
     }
@@ -225,7 +225,7 @@ impl Noise<'_> {
     /// condition, and values.
     pub fn unit_errors(&self, classes: &[usize]) -> Vec<(usize, DVector<f64>)> {
         let poses = &self.conditions.blocks[..self.conditions.poses];
-        let of = |(block, factor): (&Block, &Option<DMatrix<f64>>)| {
+        let unit_error = |(block, factor): (&Block, &Option<DMatrix<f64>>)| {
             let mut error = DVector::zeros(block.conditions.len());
             for class in classes {
                 if let Some(row) = block.classes.iter().position(|c| c == &Some(*class)) {
@@ -237,7 +237,7 @@ impl Noise<'_> {
                 .map_or(error.clone(), |factor| factor * error);
             (block.conditions.start, error)
         };
-        poses.iter().zip(&self.factors).map(of).collect()
+        poses.iter().zip(&self.factors).map(unit_error).collect()
     }
 
     /// For each class the sum of squares of the estimated errors, in units of the described noise, and its expectation
@@ -259,10 +259,10 @@ impl Noise<'_> {
             for (row, class) in block.classes.iter().enumerate() {
                 if let Some(class) = class {
                     let v = self.variance[*class];
-                    let left =
+                    let redundancy =
                         rows.column(row).norm_squared() - eliminated.column(row).norm_squared();
                     sums[*class][0] += (v * error[row]).powi(2);
-                    sums[*class][1] += v * left;
+                    sums[*class][1] += v * redundancy;
                 }
             }
         }
@@ -283,8 +283,8 @@ fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
     directions.transpose() * c.transpose()
 }
 
-/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations, which have priors of
-/// their own there.
+/// Whether a parameter is in the model whatever the set of causes: not one of a candidate cause or of a deviation, which have
+/// priors of their own there.
 pub(super) fn is_fixed(id: &ParameterId, model_effects: usize) -> bool {
     match id {
         ParameterId::Effect { effect, .. } => *effect < model_effects,
@@ -298,8 +298,8 @@ pub(super) fn columns_of(
     linear: &Linearisation,
     condition: impl Fn(&ParameterId) -> bool,
 ) -> DMatrix<f64> {
-    let all = 0..linear.parameters.len();
-    let chosen: Vec<usize> = all
+    let indices = 0..linear.parameters.len();
+    let chosen: Vec<usize> = indices
         .filter(|k| condition(&linear.parameters[*k].id))
         .collect();
     linear.design.select_columns(&chosen)

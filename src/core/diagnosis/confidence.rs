@@ -46,18 +46,18 @@ pub(super) fn reject_replaceable_causes<'a>(
         };
         let mut causes = Vec::new();
         let mut accepted = Vec::new();
-        let all = inference.fit.causes.iter().zip(posteriors);
-        for ((cause, posterior), rival) in all.zip(&unmodelled.rivals) {
+        let judged = inference.fit.causes.iter().zip(posteriors);
+        for ((cause, posterior), rival) in judged.zip(&unmodelled.rivals) {
             let Some(rival) = rival.as_ref().filter(|rival| rival.log_odds > 0.0) else {
                 causes.push(cause.clone());
                 accepted.push(posterior);
                 continue;
             };
-            let left = |other: PossibleCause| PossibleCause {
+            let reduced = |other: PossibleCause| PossibleCause {
                 probability: other.probability * (1.0 - rival.probability()),
                 ..other
             };
-            possible.extend(posterior.as_possible(cause).map(left));
+            possible.extend(posterior.as_possible(cause).map(reduced));
             replacements.push(rival.clone());
         }
         posteriors = accepted;
@@ -66,7 +66,7 @@ pub(super) fn reject_replaceable_causes<'a>(
                 if unmodelled
                     .remaining
                     .iter()
-                    .all(|known| known.error.readings != rival.error.readings)
+                    .all(|other| other.error.readings != rival.error.readings)
                 {
                     unmodelled.remaining.push(rival);
                 }
@@ -139,17 +139,15 @@ pub(super) fn confirm_causes<'a>(
     })
 }
 
-/// Shares the probability of each cause with the error that may stand in its place. Returns what each cause lost to it.
-/// `rivals` are those of the last findings: exchanged channels come first and have none.
+/// Shares the probability of each cause with the error that may replace it. Returns the probability that each cause lost.
+/// `rivals` belong to the last findings: exchanged channels come first and have none.
 pub(super) fn allow_for_errors(
     findings: &mut [Finding],
     rivals: &[Option<WeighedError>],
 ) -> Vec<f64> {
     let first = findings.len() - rivals.len();
     let lost = |(index, finding): (usize, &mut Finding)| {
-        let rival = index
-            .checked_sub(first)
-            .and_then(|own| rivals[own].as_ref());
+        let rival = index.checked_sub(first).and_then(|k| rivals[k].as_ref());
         let lost = rival.map_or(0.0, |rival| finding.probability * rival.probability());
         finding.probability -= lost;
         add_error(finding, rival.map(|rival| rival.error.clone()), lost);
@@ -175,8 +173,8 @@ pub(super) fn add_alternative(finding: &mut Finding, subject: Subject, probabili
     finding.alternatives.push(alternative);
 }
 
-/// Turns the computed probabilities of the findings into stated ones; a name has no alternatives. `posteriors` are those of
-/// the last findings, `of_errors` what each finding lost to errors.
+/// Turns the computed probabilities of the findings into stated ones; a named cause has no alternatives. `posteriors` belong to
+/// the last findings, `of_errors` has the probability that each finding lost to errors.
 pub(super) fn state_probabilities(
     findings: &mut [Finding],
     inference: &Inference<'_>,
@@ -185,11 +183,11 @@ pub(super) fn state_probabilities(
 ) {
     let first = findings.len() - posteriors.len();
     for (index, (finding, lost)) in findings.iter_mut().zip(of_errors).enumerate() {
-        let own = index.checked_sub(first);
+        let k = index.checked_sub(first);
         let others = finding.alternatives.iter().map(|other| other.probability);
         // One of the causes is present, or an error that none of them explains.
-        let computed = match own {
-            Some(own) => posteriors[own].with_replacements - lost,
+        let computed = match k {
+            Some(k) => posteriors[k].with_replacements - lost,
             None => finding.probability + others.sum::<f64>(),
         };
         let of_causes = stated_share(computed);
@@ -203,7 +201,7 @@ pub(super) fn state_probabilities(
         }
         let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity_of(finding)));
         finding.probability -= atypical;
-        let scatter = own.and_then(|own| inference.scatter_like(own));
+        let scatter = k.and_then(|k| inference.scatter_like(k));
         add_error(finding, scatter, atypical);
         if finding.verdict() == Verdict::Named {
             finding.alternatives.clear();
@@ -221,11 +219,11 @@ pub(super) fn log_rarity_of(finding: &Finding) -> f64 {
         return 0.0;
     };
     // The typical size of a vector bounds each of its coordinates, so their squares are summed.
-    let of_instance = |found: &[FoundParameter]| {
-        let alike = effect.parameters().iter().zip(found);
+    let of_instance = |parameters: &[FoundParameter]| {
+        let alike = effect.parameters().iter().zip(parameters);
         let alike = alike.filter(|(p, _)| p.unit == size.unit && !p.discrete);
-        let squares = alike.map(|(p, found)| {
-            let certain = (found.value - p.neutral).abs() - 2.0 * found.sd.unwrap_or(0.0);
+        let squares = alike.map(|(p, parameter)| {
+            let certain = (parameter.value - p.neutral).abs() - 2.0 * parameter.sd.unwrap_or(0.0);
             let [_, largest] = p.typical_sizes();
             (certain.max(0.0) / largest).powi(2)
         });
@@ -243,6 +241,6 @@ pub(super) fn assess_fit(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepanc
     let space = ResidualSpace::new(&linear);
     let variables = Variables::new(&fit.problem, &fit.solution, &linear);
     let tests = dependence_tests(&space, &variables);
-    let found = discrepancies(&space, &tests, level);
-    (adequacy(&space, &fit.solution, level), found, space)
+    let dependences = discrepancies(&space, &tests, level);
+    (adequacy(&space, &fit.solution, level), dependences, space)
 }

@@ -11,26 +11,26 @@ pub(super) fn transposed_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f6
 pub(super) fn divide_by_lower(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
     const ROWS: usize = 96;
     const COLUMNS: usize = 128;
-    let ranges = |all: usize, step: usize| {
-        let starts = (0..all).step_by(step);
-        starts.map(move |start| (start, step.min(all - start)))
+    let ranges = |size: usize, step: usize| {
+        let starts = (0..size).step_by(step);
+        starts.map(move |start| (start, step.min(size - start)))
     };
     let inverses: Vec<DMatrix<f64>> = ranges(l.nrows(), ROWS)
         .map(|(start, count)| {
             let mut inverse = DMatrix::identity(count, count);
-            let own = l.view((start, start), (count, count));
-            own.solve_lower_triangular_mut(&mut inverse);
+            let block = l.view((start, start), (count, count));
+            block.solve_lower_triangular_mut(&mut inverse);
             inverse
         })
         .collect();
     for (first, columns) in ranges(b.ncols(), COLUMNS) {
         let mut panel = b.columns_mut(first, columns);
         for ((start, count), inverse) in ranges(l.nrows(), ROWS).zip(&inverses) {
-            let mut own = panel.rows(start, count).into_owned();
-            let known = panel.rows(0, start);
-            own.gemm(-1.0, &l.view((start, 0), (count, start)), &known, 1.0);
+            let mut block = panel.rows(start, count).into_owned();
+            let solved = panel.rows(0, start);
+            block.gemm(-1.0, &l.view((start, 0), (count, start)), &solved, 1.0);
             let mut to = panel.rows_mut(start, count);
-            to.gemm(1.0, inverse, &own, 0.0);
+            to.gemm(1.0, inverse, &block, 0.0);
         }
     }
 }

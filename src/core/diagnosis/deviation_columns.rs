@@ -1,12 +1,12 @@
-//! Deviations of the parts within their tolerances, which every set of causes has beside it.
+//! Deviations of the parts within their tolerances, which are in the model beside every set of causes.
 //!
-//! The deviation of each part has the prior standard deviation `kappa t` with its tolerance `t` and a factor `kappa` common
-//! to all parts, which the readings determine. Its derivative is one more column that is eliminated from all conditions,
-//! so that a cause is what lies outside the tolerances: its own column enters a second time with the variance of a fault.
+//! The deviation of each part has the prior standard deviation `kappa t` with its tolerance `t` and a factor `kappa` common to
+//! all parts, which the readings determine. Its derivative is one more column that is eliminated from all conditions, so that a
+//! cause is a deviation beyond the tolerances: its own column enters a second time with the variance of a fault.
 //!
-//! Of the hundred or so columns only combinations matter that readings can show. With the columns `D` of tolerances and
-//! the projection `P` of the parameters that are always estimated, the eigenvectors of `D^T P D` are combinations with
-//! independent priors of the same variance; those of small eigenvalues are left out.
+//! Of the hundred or so columns only combinations matter that affect the readings. With the columns `D` of tolerances and the
+//! projection `P` of the parameters that are always estimated, the eigenvectors of `D^T P D` are combinations with independent
+//! priors of the same variance; those of small eigenvalues are left out.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -97,10 +97,12 @@ pub(super) fn linearised(
 ) -> (Linearisation, DMatrix<f64>) {
     let mut problem = problem.clone();
     let mut solution = solution.clone();
-    let found = &solution.globals.deviations;
+    let estimated = &solution.globals.deviations;
     let present = deviations.iter().map(|deviation| {
-        let found = found.iter().find(|found| deviation.is_estimated_by(found));
-        found.unwrap_or(&deviation.bound).clone()
+        let estimated = estimated
+            .iter()
+            .find(|estimated| deviation.is_estimated_by(estimated));
+        estimated.unwrap_or(&deviation.bound).clone()
     });
     solution.globals.deviations = present.collect();
     problem.held_deviations.clear();
@@ -113,8 +115,8 @@ pub(super) fn linearised(
     for (mut column, parameter) in columns.column_iter_mut().zip(of_deviations) {
         column *= parameter.prior_sd.unwrap_or(0.0);
     }
-    for (row, of) in linear.rows.iter().enumerate() {
-        if is_prior_of_deviation(of.kind, &linear) {
+    for (row, linear_row) in linear.rows.iter().enumerate() {
+        if is_prior_of_deviation(linear_row.kind, &linear) {
             columns.row_mut(row).fill(0.0);
         }
     }
@@ -129,7 +131,7 @@ fn is_prior_of_deviation(kind: RowKind, linear: &Linearisation) -> bool {
     }
 }
 
-/// What the estimated deviations of a fit change in its rows, to first order.
+/// Change of the rows of a fit by its estimated deviations, to first order.
 pub(super) fn explained_by_deviations(
     problem: &Problem<'_>,
     solution: &Solution,

@@ -1,4 +1,4 @@
-//! How much a deviation of each part changes the readings: whether a tolerance matters on a robot.
+//! Sensitivities of the readings to the deviations of the parts: a tolerance matters only where they are large.
 
 use super::budget::MOST_DIAGNOSED_ROWS;
 use super::deviation_columns::linearised;
@@ -42,7 +42,7 @@ pub fn deviation_sensitivities(
     let fit = Fit::new(&problem, &[])?;
     let (linear, columns) = linearised(&fit.problem, &fit.solution, &deviations);
     let is_reading: Vec<bool> = linear.rows.iter().map(is_reading).collect();
-    let mut found: Vec<DeviationSensitivity> = Vec::new();
+    let mut sensitivities: Vec<DeviationSensitivity> = Vec::new();
     let of_deviations = linear.parameters.iter().filter_map(|p| match p.id {
         ParameterId::Deviation { deviation, .. } => Some(&deviations[deviation].bound),
         _ => None,
@@ -52,27 +52,27 @@ pub fn deviation_sensitivities(
         let changes = of_readings.filter_map(|(change, is_reading)| is_reading.then_some(change));
         let largest = changes.fold(0.0_f64, |most, change| most.max(change.abs()));
         let cable = bound.targeted.then(|| bound.cables[0]);
-        let is_known = |known: &&mut DeviationSensitivity| {
-            known.effect.id() == bound.effect.id() && known.cable == cable
+        let is_known = |other: &&mut DeviationSensitivity| {
+            other.effect.id() == bound.effect.id() && other.cable == cable
         };
-        match found.iter_mut().find(is_known) {
-            Some(known) => known.largest = known.largest.max(largest),
-            None => found.push(DeviationSensitivity {
+        match sensitivities.iter_mut().find(is_known) {
+            Some(other) => other.largest = other.largest.max(largest),
+            None => sensitivities.push(DeviationSensitivity {
                 effect: bound.effect,
                 cable,
                 largest,
             }),
         }
     }
-    Ok(found)
+    Ok(sensitivities)
 }
 
 /// A tolerance of one unit for every effect.
 fn units() -> PartTolerances {
-    let all = every_effect().filter(|effect| effect.has_tolerance());
+    let effects = every_effect().filter(|effect| effect.has_tolerance());
     PartTolerances::Stated(StatedTolerances {
         factor: 1.0,
-        effects: all
+        effects: effects
             .map(|effect| (effect.id().to_owned(), Tolerance::Same(1.0)))
             .collect(),
     })

@@ -37,13 +37,13 @@ pub(crate) struct DependenceTest {
     pub cable: Option<usize>,
     /// Axis or angle of a reading that has several.
     pub component: Option<usize>,
-    /// On what it may depend.
+    /// The tested variable.
     pub variable: Variable,
     /// `s^T I^-1 s`, in the noise as described.
     pub chi2: f64,
     /// Rank of `I`.
     pub rank: usize,
-    /// Variance of what is left over that of the noise as described; 1 where the difference is not significant.
+    /// Variance of the remaining residuals over that of the noise as described; 1 where the difference is not significant.
     pub noise_factor: f64,
     /// Probability without a dependence, not corrected.
     pub p_value: f64,
@@ -63,12 +63,12 @@ pub(crate) struct DependenceTest {
 /// the first harmonics; for the direction of travel the direction itself.
 #[must_use]
 pub fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMatrix<f64> {
-    let known = values.iter().copied();
-    if !varies(known.clone(), variable) {
+    let numbers = values.iter().copied();
+    if !varies(numbers.clone(), variable) {
         return DMatrix::zeros(values.len(), 0);
     }
-    let least = known.clone().fold(f64::INFINITY, f64::min);
-    let spread = known.fold(f64::NEG_INFINITY, f64::max) - least;
+    let least = numbers.clone().fold(f64::INFINITY, f64::min);
+    let spread = numbers.fold(f64::NEG_INFINITY, f64::max) - least;
     match variable {
         Variable::Direction => DMatrix::from_column_slice(values.len(), 1, values),
         Variable::DrumFraction => DMatrix::from_fn(values.len(), most.min(4), |row, k| {
@@ -94,18 +94,18 @@ pub(crate) fn dependence_tests(
                 reweighted.class_of[*row] == Some(class) && space.measured[*row].is_some()
             })
             .collect();
-        let all = reweighted.readings(class, rows);
+        let readings = reweighted.readings(class, rows);
         for variable in Variable::ALL {
             let Some(by_row) = variables.values(id.quantity, id.cable, variable) else {
                 continue;
             };
-            let value = |row: &usize| space.measured[*row].map_or(f64::NAN, |at| by_row[at]);
-            let rows = all.described.rows.iter().copied();
-            let known: Vec<usize> = rows.filter(|row| value(row).is_finite()).collect();
-            let values: Vec<f64> = known.iter().map(value).collect();
-            let some =
-                (known.len() < all.described.rows.len()).then(|| reweighted.readings(class, known));
-            tests.extend(some.as_ref().unwrap_or(&all).test(variable, values));
+            let value = |row: &usize| space.measured[*row].map_or(f64::NAN, |index| by_row[index]);
+            let rows = readings.described.rows.iter().copied();
+            let finite: Vec<usize> = rows.filter(|row| value(row).is_finite()).collect();
+            let values: Vec<f64> = finite.iter().map(value).collect();
+            let some = (finite.len() < readings.described.rows.len())
+                .then(|| reweighted.readings(class, finite));
+            tests.extend(some.as_ref().unwrap_or(&readings).test(variable, values));
         }
     }
     tests
@@ -221,11 +221,11 @@ impl TestedReadings {
         score: &Score,
         fit: &ScoreFit,
     ) -> Option<(f64, f64)> {
-        let left = &group.residual - &score.projected * &fit.coefficients;
+        let remaining = &group.residual - &score.projected * &fit.coefficients;
         let squares = score.projected.tr_mul(&score.projected);
         let trace = self.trace - squares.dot(&fit.inverse);
         let freedom = trace / self.scaled?;
-        let factor = left.norm_squared() / trace;
+        let factor = remaining.norm_squared() / trace;
         let p = chi_square_survival(factor * freedom, freedom)?;
         (self.variance != 1.0 || p < EXCESS_LEVEL).then_some((factor, freedom))
     }
@@ -280,16 +280,16 @@ pub(crate) fn discrepancies(
     alpha: f64,
 ) -> Vec<Discrepancy> {
     let test_count = tests.len() as f64;
-    let mut found: Vec<&DependenceTest> = tests
+    let mut significant: Vec<&DependenceTest> = tests
         .iter()
         .filter(|test| test.p_value * test_count < alpha)
         .collect();
     // Sorting by p-value would be useless for large errors, whose p-values all underflow.
     let gain = |t: &DependenceTest| t.chi2 - 2.0 * t.rank as f64;
-    found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    significant.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     let redundancy = space.redundancy();
     let mut kept: Vec<Discrepancy> = Vec::new();
-    for test in found {
+    for test in significant {
         let same = |d: &&Discrepancy| (d.quantity, d.cable) == (test.quantity, test.cable);
         if kept.iter().filter(same).count() < MAX_REPORTED_VARIABLES {
             kept.push(to_discrepancy(space, &redundancy, test, test_count));

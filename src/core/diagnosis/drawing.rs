@@ -1,4 +1,4 @@
-//! The drawing as a hypothesis: pulleys that are farther from where the description states them than it says.
+//! The drawing as a hypothesis: pulleys that deviate from their described places by more than the stated uncertainty.
 //!
 //! Every fit estimates the places, so that a wrong drawing needs no extension of the model, but it is a finding. With the stated
 //! covariance `S` and that of the estimate `C`, the estimated displacement `d` of a right drawing has the covariance `S - C`. Some
@@ -15,12 +15,12 @@ use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
 use crate::statistics::{chi_square_survival, log_sum};
 
-/// How the places of the pulleys differ from the drawing.
+/// Pattern of displacements of the pulleys from the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrawingPattern {
     /// The pulleys are farther apart along an axis (0, 1, 2 for x, y, z); the size is that of the change of their extent (m).
     Extent(usize),
-    /// All are turned about an axis (rad).
+    /// All pulleys are turned about an axis (rad).
     Turn(usize),
     /// One pulley is elsewhere (m).
     Pulley(usize),
@@ -45,8 +45,8 @@ pub struct WrongDrawing {
     pub stated_sd: f64,
     /// Displacement of each pulley from the drawing (m).
     pub displacements_m: Vec<Vector3<f64>>,
-    /// Root mean square distance of the platform from where it would be by the drawing, at the poses of the data (m); `None` where
-    /// lengths alone do not determine its pose.
+    /// Root mean square distance of the platform between the identified places and those of the drawing, at the poses of the
+    /// data (m); `None` where lengths alone do not determine its pose.
     pub worth_m: Option<f64>,
 }
 
@@ -70,7 +70,6 @@ struct Displacements {
     estimated: DMatrix<f64>,
 }
 
-/// A pattern with the test of it.
 struct TestedPattern {
     pattern: DrawingPattern,
     /// Size with its stated variance and that of the estimate.
@@ -99,8 +98,8 @@ impl Displacements {
             if let Some(sd) = pulley.entry_point_sd_m.each()[axis].filter(|sd| *sd > 0.0) {
                 places.push((cable, axis));
                 columns.push(column);
-                let found = solution.globals.entry_points[cable][axis];
-                values.push(found - pulley.entry_point_m[axis]);
+                let estimate = solution.globals.entry_points[cable][axis];
+                values.push(estimate - pulley.entry_point_m[axis]);
                 stated.push(sd * sd);
             }
         }
@@ -119,7 +118,7 @@ impl Displacements {
         [weights.dot(&self.values), stated, estimated]
     }
 
-    /// All patterns of which the readings say something. An estimated displacement from a right drawing has the covariance `S - C`, or
+    /// All patterns that the readings determine. An estimated displacement from a right drawing has the covariance `S - C`, or
     /// `S + C` if it was estimated with wider places, which hardly draw it to the stated ones.
     fn tested(&self, robot: &Robot, is_wider: bool) -> Vec<TestedPattern> {
         let sign = if is_wider { 1.0 } else { -1.0 };
@@ -159,20 +158,20 @@ impl Displacements {
         on_axes.chain(of_pulleys).collect()
     }
 
-    /// The displacement of one pulley, with its size and variances in the direction of it.
+    /// The pattern of a displacement of one pulley, with size and variances along the estimated direction.
     fn of_pulley(&self, cable: usize, sign: f64) -> Option<TestedPattern> {
-        let own: Vec<usize> = (0..self.places.len())
+        let picked: Vec<usize> = (0..self.places.len())
             .filter(|k| self.places[*k].0 == cable)
             .collect();
-        if own.is_empty() {
+        if picked.is_empty() {
             return None;
         }
-        let value = self.values.select_rows(&own);
-        let stated = self.stated.select_rows(&own);
+        let value = self.values.select_rows(&picked);
+        let stated = self.stated.select_rows(&picked);
         let least = MIN_KNOWN_SHARE * stated.max();
-        let estimated = self.estimated.select_rows(&own).select_columns(&own);
+        let estimated = self.estimated.select_rows(&picked).select_columns(&picked);
         let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) + estimated * sign);
-        // The readings say nothing of the other directions.
+        // The other directions are not determined by the readings.
         let axes = spread
             .eigenvalues
             .iter()
@@ -186,7 +185,7 @@ impl Displacements {
         }
         let mut weights = DVector::zeros(self.places.len());
         let norm = value.norm().max(f64::MIN_POSITIVE);
-        for (k, component) in own.iter().zip(&value) {
+        for (k, component) in picked.iter().zip(&value) {
             weights[*k] = component / norm;
         }
         Some(TestedPattern {
@@ -199,15 +198,15 @@ impl Displacements {
 
     /// Weights of the change of the extent along an axis, and of a turn about one; `None` where the pulleys have no extent.
     fn weights(&self, robot: &Robot, pattern: DrawingPattern) -> Option<DVector<f64>> {
-        let at = |cable: usize| Vector3::from(robot.cables[cable].pulley.entry_point_m);
-        let all = (0..robot.cable_count()).map(at);
+        let place_of = |cable: usize| Vector3::from(robot.cables[cable].pulley.entry_point_m);
+        let all = (0..robot.cable_count()).map(place_of);
         let centre = all.clone().sum::<Vector3<f64>>() / robot.cable_count() as f64;
         let lever = |(cable, axis): (usize, usize)| match pattern {
-            DrawingPattern::Extent(along) if axis == along => at(cable)[axis] - centre[axis],
+            DrawingPattern::Extent(along) if axis == along => place_of(cable)[axis] - centre[axis],
             DrawingPattern::Turn(about) => {
                 let mut unit = Vector3::zeros();
                 unit[about] = 1.0;
-                unit.cross(&(at(cable) - centre))[axis]
+                unit.cross(&(place_of(cable) - centre))[axis]
             }
             DrawingPattern::Extent(_) | DrawingPattern::Pulley(_) => 0.0,
         };
@@ -216,10 +215,10 @@ impl Displacements {
         let square = levers.norm_squared();
         let extent = match pattern {
             DrawingPattern::Extent(axis) => {
-                let [low, high] = [f64::min, f64::max].map(|of| {
+                let [low, high] = [f64::min, f64::max].map(|extreme| {
                     all.clone()
                         .map(|place| place[axis])
-                        .reduce(of)
+                        .reduce(extreme)
                         .unwrap_or(0.0)
                 });
                 high - low
@@ -231,13 +230,13 @@ impl Displacements {
     }
 }
 
-/// How likely readings make a wrong drawing.
+/// Evidence that the readings contradict the drawing.
 pub(super) struct DrawingEvidence {
     /// Log odds of a wrong drawing over the stated one, as far as the model is linear in the places.
     pub log_odds: f64,
-    /// What makes the log evidence of a wrong drawing of half of chi-square at the fit with wider places.
+    /// Sum of all terms of the log evidence of a wrong drawing except half of chi-square, at the fit with wider places.
     pub of_wider: f64,
-    /// What makes the log evidence of a right drawing of half of chi-square at a fit with the places as stated.
+    /// Sum of all terms of the log evidence of a right drawing except half of chi-square, at a fit with the places as stated.
     pub of_stated: f64,
 }
 
@@ -246,10 +245,10 @@ pub(super) struct DrawingEvidence {
 /// prior covariance `S` has the log evidence `(h^T (L + S^-1)^-1 h - log det(1 + S L)) / 2`. A drawing is wrong anywhere, or in
 /// one of the patterns.
 pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<DrawingEvidence> {
-    let found = Displacements::of(robot, wide)?;
-    let precision = found.estimated.clone().cholesky()?.inverse();
-    let right_side = &precision * &found.values;
-    let wider = &found.stated * PLACES_WIDER.powi(2);
+    let displacements = Displacements::of(robot, wide)?;
+    let precision = displacements.estimated.clone().cholesky()?.inverse();
+    let right_side = &precision * &displacements.values;
+    let wider = &displacements.stated * PLACES_WIDER.powi(2);
     let information = precision - DMatrix::from_diagonal(&wider.map(f64::recip));
     let of_prior = |prior: &DMatrix<f64>| {
         let root = prior.clone().cholesky()?.unpack();
@@ -259,14 +258,14 @@ pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<Drawing
         let explained = projected.dot(&inner.solve(&projected));
         Some([0.5 * explained, -0.5 * inner.ln_determinant()])
     };
-    let patterns: Vec<f64> = (found.priors_of_patterns(robot).iter())
+    let patterns: Vec<f64> = (displacements.priors_of_patterns(robot).iter())
         .filter_map(|prior| Some(of_prior(prior)?.iter().sum()))
         .collect();
     let [explained_by_wider, cost] = of_prior(&DMatrix::from_diagonal(&wider))?;
     let in_pattern = log_sum(patterns.iter().copied()) - (patterns.len() as f64).ln();
     let wrong = log_sum([explained_by_wider + cost, in_pattern].into_iter());
     let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
-    let [explained_by_stated, cost] = of_prior(&DMatrix::from_diagonal(&found.stated))?;
+    let [explained_by_stated, cost] = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
     let of_stated = (1.0 - WRONG_DRAWING).ln() + cost;
     Some(DrawingEvidence {
         log_odds: wrong - of_stated - explained_by_stated,
@@ -283,8 +282,7 @@ pub(super) fn wrong_drawing(
     level: f64,
     is_known: bool,
 ) -> Option<WrongDrawing> {
-    let found = Displacements::of(robot, solution)?;
-    let tested = found.tested(robot, is_known);
+    let tested = Displacements::of(robot, solution)?.tested(robot, is_known);
     let count = tested.len() as f64;
     let with_survival = tested.into_iter().filter_map(|one| {
         let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
@@ -306,11 +304,12 @@ pub(super) fn wrong_drawing(
 fn displacements(robot: &Robot, solution: &Solution) -> Vec<Vector3<f64>> {
     let pairs = robot.cables.iter().zip(&solution.globals.entry_points);
     pairs
-        .map(|(cable, found)| Vector3::from(*found) - Vector3::from(cable.pulley.entry_point_m))
+        .map(|(cable, place)| Vector3::from(*place) - Vector3::from(cable.pulley.entry_point_m))
         .collect()
 }
 
-/// By how far the platform is from where it would be by the drawing, for the lengths that it has at the poses of the data.
+/// Root mean square distance of the platform between the identified places and those of the drawing (m), for the same lengths
+/// at the poses of the data.
 fn worth_of_places(robot: &Robot, solution: &Solution) -> Option<f64> {
     let identified = solution.globals.model(robot);
     let mut drawn = identified.clone();
@@ -324,10 +323,10 @@ fn worth_of_places(robot: &Robot, solution: &Solution) -> Option<f64> {
     let squares = solution.poses.iter().filter_map(|(_, pose)| {
         let states = inverse_kinematics(&identified, pose).ok()?;
         let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();
-        let found = solver.solve(&lengths, pose);
-        found
+        let solved = solver.solve(&lengths, pose);
+        solved
             .converged
-            .then(|| (found.pose.position - pose.position).norm_squared())
+            .then(|| (solved.pose.position - pose.position).norm_squared())
     });
     let squares: Vec<f64> = squares.collect();
     (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())

@@ -41,7 +41,7 @@ impl ErrorForm {
     }
 }
 
-/// Readings that may share an error: of one kind and cable, or of one kind and all cables alike.
+/// Readings that may share an error: those of one kind and cable, or those of one kind on all cables.
 pub(super) struct ErrorTarget {
     pub id: ReadingId,
     /// Standard deviation of the readings as described (SI units).
@@ -75,14 +75,14 @@ impl ErrorTarget {
         if poses.len() < MIN_READINGS_OF_ERROR {
             return None;
         }
-        let own: Vec<usize> = poses.iter().map(|pose| rows[*pose]).collect();
-        let of = |cable: Option<usize>, variable: Variable| -> Option<Vec<f64>> {
-            let all = variables.values(id.quantity, cable, variable)?;
-            let values: Vec<f64> = own.iter().map(|row| all[*row]).collect();
+        let own_rows: Vec<usize> = poses.iter().map(|pose| rows[*pose]).collect();
+        let values_of = |cable: Option<usize>, variable: Variable| -> Option<Vec<f64>> {
+            let values = variables.values(id.quantity, cable, variable)?;
+            let values: Vec<f64> = own_rows.iter().map(|row| values[*row]).collect();
             values.iter().all(|v| v.is_finite()).then_some(values)
         };
-        let values = |variable: Variable| of(id.cable, variable);
-        let scaled_variables = ScaledVariables::new(&id, &own, variables);
+        let values = |variable: Variable| values_of(id.cable, variable);
+        let scaled_variables = ScaledVariables::new(&id, &own_rows, variables);
         let mut target = Self {
             id,
             sd,
@@ -120,7 +120,7 @@ impl ErrorTarget {
         }
         if id.quantity == Quantity::Tension && id.cable.is_some() {
             for cable in (0..linear.cables()).filter(|cable| Some(*cable) != id.cable) {
-                if let Some(values) = of(Some(cable), Variable::Tension) {
+                if let Some(values) = values_of(Some(cable), Variable::Tension) {
                     let functions = smooth_functions(&values, Variable::Tension, 2);
                     target.push(ErrorForm::Crosstalk(cable), functions, 1, (&[], linear));
                 }
@@ -128,10 +128,10 @@ impl ErrorTarget {
         }
         for length in CORRELATION_LENGTHS {
             let over = |variable: fn(usize) -> Variable| {
-                let known = (0..3).filter_map(|k| values(variable(k)).map(scaled));
+                let coordinates = (0..3).filter_map(|k| values(variable(k)).map(scaled));
                 let expressed = (0..3).flat_map(|k| scaled_variables.expressed(variable(k)));
                 (
-                    field(&known.collect::<Vec<_>>(), length),
+                    field(&coordinates.collect::<Vec<_>>(), length),
                     expressed.collect::<Vec<_>>(),
                 )
             };

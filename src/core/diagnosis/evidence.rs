@@ -47,8 +47,8 @@ fn scaled_prior(candidate: &Candidate, scale: usize) -> DMatrix<f64> {
 impl System {
     /// Prepares a set that any candidate may extend.
     pub fn extensible(gram: &mut Gram<'_>, members: &[Member]) -> Self {
-        let all = 0..*gram.first.last().unwrap_or(&0);
-        Self::with_columns(gram, members, all)
+        let columns = 0..*gram.first.last().unwrap_or(&0);
+        Self::with_columns(gram, members, columns)
     }
 
     /// Prepares a set that candidates of a range may extend.
@@ -57,8 +57,8 @@ impl System {
         members: &[Member],
         candidates: RangeInclusive<usize>,
     ) -> Self {
-        let own = gram.first[*candidates.start()]..gram.first[candidates.end() + 1];
-        Self::with_columns(gram, members, own)
+        let columns = gram.first[*candidates.start()]..gram.first[candidates.end() + 1];
+        Self::with_columns(gram, members, columns)
     }
 
     /// Evaluates a set without preparing extensions.
@@ -72,24 +72,24 @@ impl System {
             .map(|m| gram.candidates[m.0].columns.len())
             .sum();
         let mut factor = DMatrix::zeros(width, width);
-        let own: Vec<usize> = members
+        let columns: Vec<usize> = members
             .iter()
             .flat_map(|m| gram.first[m.0]..gram.first[m.0 + 1])
             .collect();
-        let among = gram.block(&own);
+        let among = gram.block(&columns);
         let mut score = DVector::zeros(width);
-        let mut at = 0;
+        let mut k = 0;
         let mut log_prior = 0.0;
         for (index, scale) in members {
             let candidate = &gram.candidates[*index];
             let count = candidate.columns.len();
             let prior = scaled_prior(candidate, *scale);
-            factor.view_mut((at, at), (count, count)).copy_from(&prior);
+            factor.view_mut((k, k), (count, count)).copy_from(&prior);
             log_prior += candidate.log_odds + candidate.scales[*scale].1;
             score
-                .rows_mut(at, count)
+                .rows_mut(k, count)
                 .copy_from(&gram.scores[*index].score);
-            at += count;
+            k += count;
         }
         let score = factor.tr_mul(&score);
         let mut matrix = DMatrix::identity(width, width);
@@ -103,7 +103,7 @@ impl System {
         cholesky.l_dirty().solve_lower_triangular_mut(&mut half);
         let mut eliminated = DVector::zeros(extension.len());
         let mut explained = DVector::zeros(extension.len());
-        let mut shared = gram.products(extension.clone(), &own) * &factor;
+        let mut shared = gram.products(extension.clone(), &columns) * &factor;
         if !extension.is_empty() {
             divide_by_factor(&mut shared, cholesky.l_dirty());
             for (column, score) in shared.column_iter().zip(half.iter()) {
@@ -150,20 +150,20 @@ impl System {
 
     /// The best scale of a member with the others as they are, and the log ratio of the evidence summed over its scales
     /// and that at the best one.
-    pub fn best_scale_of(&self, gram: &Gram<'_>, place: usize) -> Option<(usize, f64)> {
-        let (index, scale) = self.members[place];
+    pub fn best_scale_of(&self, gram: &Gram<'_>, member: usize) -> Option<(usize, f64)> {
+        let (index, scale) = self.members[member];
         let candidate = &gram.candidates[index];
-        let range = self.parameters(gram.candidates).swap_remove(place);
+        let range = self.parameters(gram.candidates).swap_remove(member);
         // The inverse of the block is the matrix of the member conditional on the others.
-        let own = self.inverse(range.clone()).cholesky()?.inverse();
+        let matrix = self.inverse(range.clone()).cholesky()?.inverse();
         let size = candidate.scales[scale].0;
-        let score = &own * self.solution.rows_range(range) / size;
-        let identity = DMatrix::identity(own.nrows(), own.nrows());
-        let own = CandidateScore {
+        let score = &matrix * self.solution.rows_range(range) / size;
+        let identity = DMatrix::identity(matrix.nrows(), matrix.nrows());
+        let conditional = CandidateScore {
             score,
-            information: (own - identity) / (size * size),
+            information: (matrix - identity) / (size * size),
         };
-        let values = own.at_scales(candidate);
+        let values = conditional.at_scales(candidate);
         let best = values.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let sum = log_sum(values.iter().map(|(value, _)| *value));
         Some((best.1, sum - best.0))
@@ -171,25 +171,25 @@ impl System {
 
     /// Contribution of the sign constraints to the log evidence.
     fn log_sign_probability(&self, candidates: &[Candidate]) -> f64 {
-        let mut at = 0;
+        let mut k = 0;
         let mut sum = 0.0;
         for (index, _) in &self.members {
             if candidates[*index].is_positive {
-                let variance = self.inverse(at..at + 1)[0] * self.factor[(at, at)].powi(2);
-                sum += log_positive(self.estimate[at], variance);
+                let variance = self.inverse(k..k + 1)[0] * self.factor[(k, k)].powi(2);
+                sum += log_positive(self.estimate[k], variance);
             }
-            at += candidates[*index].columns.len();
+            k += candidates[*index].columns.len();
         }
         sum
     }
 
     /// Range of the parameters of each member.
     pub fn parameters(&self, candidates: &[Candidate]) -> Vec<Range<usize>> {
-        let mut at = 0;
+        let mut end = 0;
         let range = |(index, _): &Member| {
-            let first = at;
-            at += candidates[*index].columns.len();
-            first..at
+            let first = end;
+            end += candidates[*index].columns.len();
+            first..end
         };
         self.members.iter().map(range).collect()
     }
@@ -203,8 +203,8 @@ impl System {
     /// estimated, too.
     pub fn remaining_information(&self, gram: &Gram<'_>, index: usize) -> f64 {
         let whole = gram.scores[index].information[(0, 0)];
-        let left = whole - self.eliminated[gram.first[index] - self.offset];
-        left / whole.max(f64::MIN_POSITIVE)
+        let remaining = whole - self.eliminated[gram.first[index] - self.offset];
+        remaining / whole.max(f64::MIN_POSITIVE)
     }
 
     /// Gain of the log posterior by an additional candidate, and the scale that maximises it; `None` if it is clearly
@@ -225,35 +225,35 @@ impl System {
                     scale,
                 )
             };
-            let all = (0..candidate.scales.len()).map(value);
-            let (value, scale) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let values = (0..candidate.scales.len()).map(value);
+            let (value, scale) = values.max_by(|a, b| a.0.total_cmp(&b.0))?;
             let value = value + log_odds;
             return (value >= least).then_some((value, scale));
         }
-        let own = self.conditional(gram, index).in_prior_units(candidate);
-        best_scale(candidate, &own, least).map(|(value, scale)| (value + log_odds, scale))
+        let conditional = self.conditional(gram, index).in_prior_units(candidate);
+        best_scale(candidate, &conditional, least).map(|(value, scale)| (value + log_odds, scale))
     }
 
     /// Score and information of an additional candidate, conditional on estimating the members.
     fn conditional(&self, gram: &Gram<'_>, index: usize) -> CandidateScore {
-        let own = &gram.scores[index];
-        let at = gram.first[index] - self.offset;
-        let count = own.score.len();
-        let rows = self.shared.rows(at, count).into_owned();
+        let alone = &gram.scores[index];
+        let first = gram.first[index] - self.offset;
+        let count = alone.score.len();
+        let rows = self.shared.rows(first, count).into_owned();
         CandidateScore {
-            score: &own.score - self.explained.rows(at, count),
-            information: &own.information - &rows * rows.transpose(),
+            score: &alone.score - self.explained.rows(first, count),
+            information: &alone.information - &rows * rows.transpose(),
         }
     }
 
     /// The same for a candidate with a single column, in units of the prior at scale 1.
     fn conditional_single_column(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
-        let own = &gram.scores[index];
-        let at = gram.first[index] - self.offset;
+        let alone = &gram.scores[index];
+        let first = gram.first[index] - self.offset;
         let sd = gram.candidates[index].prior[(0, 0)];
-        let information = (own.information[(0, 0)] - self.eliminated[at]).max(0.0);
+        let information = (alone.information[(0, 0)] - self.eliminated[first]).max(0.0);
         (
-            (own.score[0] - self.explained[at]) * sd,
+            (alone.score[0] - self.explained[first]) * sd,
             information * sd * sd,
         )
     }
@@ -342,15 +342,15 @@ fn divide_by_factor(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
 /// prior at scale 1. `None` if it is clearly below `least`.
 pub(super) fn best_scale(
     candidate: &Candidate,
-    own: &CandidateScore,
+    score: &CandidateScore,
     least: f64,
 ) -> Option<(f64, usize)> {
-    let (gain, probe) = own.value(candidate, candidate.scales.len() / 2)?;
+    let (gain, probe) = score.value(candidate, candidate.scales.len() / 2)?;
     if gain < STRONG_GAIN && probe + candidate.log_odds < least - MAX_DEFICIT {
         return None;
     }
-    let all = own.at_scales(candidate).into_iter();
-    all.max_by(|a, b| a.0.total_cmp(&b.0))
+    let values = score.at_scales(candidate).into_iter();
+    values.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Increase of the log prior odds of a candidate because the set has the same effect on other cables.
@@ -359,8 +359,8 @@ fn joint_odds_bonus(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     if !candidate.is_single() {
         return 0.0;
     }
-    let all = members.iter().map(|m| &gram.candidates[m.0]);
-    let same = all.filter(|c| c.is_single() && std::ptr::eq(c.effect(), candidate.effect()));
+    let candidates = members.iter().map(|m| &gram.candidates[m.0]);
+    let same = candidates.filter(|c| c.is_single() && std::ptr::eq(c.effect(), candidate.effect()));
     let count = same.count();
     let log = |count| log_joint_odds_ratio(candidate, count, gram.cables);
     log(count + 1) - log(count)

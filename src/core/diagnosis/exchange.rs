@@ -1,8 +1,8 @@
-//! Exchanged channels: for every pair and kind of channel the readings are exchanged back, and an exchange is reported
-//! if it explains what no effect could.
+//! Exchanged channels: for every pair and kind of channel the exchange is undone, and an exchange is reported if it explains
+//! the readings better than any effect could.
 //!
 //! Readings that a symmetry of the robot makes equal are no evidence: an exchange competes with the best fit of the readings as
-//! they are, also from pulleys that start at each other's places, and needs the odds of any other name.
+//! they are, also with a fit that starts from interchanged pulleys, and needs the same odds as any other named cause.
 
 use std::sync::Arc;
 
@@ -29,18 +29,18 @@ pub(super) struct Exchange {
     tried: Vec<(BoundEffect, f64)>,
 }
 
-/// What the readings say about the channels.
+/// Assignment of channels to cables according to the readings.
 pub(super) enum Channels {
-    /// They are as described.
+    /// As described.
     AsDescribed,
-    /// Some are exchanged.
+    /// Exchanged between cables.
     Exchanged(Box<Exchange>),
     /// The pulleys of two cables are at each other's places, which explains the readings as well.
     PulleysExchanged(Box<Solution>),
 }
 
-/// Finds the exchange that explains the readings, if there is one, or several of different cables: the next one is looked for if
-/// the best so far explains much, but not enough.
+/// Finds the exchange that explains the readings, if there is one, or several of different cables: another one is sought if the
+/// best so far removes much, but not enough, of the excess chi-square.
 pub(super) fn find_exchange(
     fit: &Fit<'_>,
     report: &mut Reporter<'_, '_>,

@@ -18,13 +18,13 @@ use super::report::Cause;
 use super::search::{CandidateSet, EvaluatedSet, Search, set_of, settled};
 use crate::statistics::log_sum;
 
-/// How well the data show one cause; for events and waves at the pose or period that shows them best.
+/// Visibility of one cause in the data; for events and waves at the pose or period where it is best.
 #[derive(Debug, Clone)]
 pub(super) struct Visibility {
     pub cause: Cause,
-    /// Whether any reading depends on it.
+    /// Whether any reading depends on the cause.
     pub is_read: bool,
-    /// Standard deviation of its first parameter with all else estimated; `None` if the data do not determine it.
+    /// Standard deviation of the first parameter with all others estimated; `None` if the data do not determine it.
     pub sd: Option<f64>,
 }
 
@@ -63,33 +63,31 @@ pub(super) struct Exploration<'l> {
 /// Explores sets at a fit whose own evidence is known. At the first fit of a diagnosis, the search is also started with
 /// all families together.
 pub(super) fn explore<'l>(
-    at: &'l LinearFit<'_, '_>,
-    own: OwnEvidence<'l>,
+    linear_fit: &'l LinearFit<'_, '_>,
+    own_evidence: OwnEvidence<'l>,
     start: Start<'_>,
     (most, is_first): (usize, bool),
     report: &mut Reporter<'_, '_>,
 ) -> Exploration<'l> {
-    let OwnEvidence {
-        hyper: own, gram, ..
-    } = own;
-    let described = at.linear.described(own.factor);
-    let mut own_gram = Some(gram);
-    let mut pending = vec![own.clone()];
-    let left = at.fit.chi2_per_freedom();
+    let own_hyper = own_evidence.hyper;
+    let described = linear_fit.linear.described(own_hyper.factor);
+    let mut own_gram = Some(own_evidence.gram);
+    let mut pending = vec![own_hyper.clone()];
+    let misfit = linear_fit.fit.chi2_per_freedom();
     // With the described noise far too small, every candidate would seem to be a cause.
-    if own.is_far_from(&described) && left < UNEXPLAINED_CHI2 {
+    if own_hyper.is_far_from(&described) && misfit < UNEXPLAINED_CHI2 {
         pending.push(described);
     }
     let mut points: Vec<HyperparameterPoint<'_>> = Vec::new();
-    let mut best: Vec<Member> = at.present.clone();
-    let mut found = own.clone();
+    let mut best: Vec<Member> = linear_fit.present.clone();
+    let mut best_hyper = own_hyper.clone();
     while let Some(hyper) = pending.pop() {
-        let known = own_gram.take_if(|_| hyper == own);
-        let mut gram = known.unwrap_or_else(|| at.gram(&hyper));
+        let reused = own_gram.take_if(|_| hyper == own_hyper);
+        let mut gram = reused.unwrap_or_else(|| linear_fit.gram(&hyper));
         let log_evidence_of_none = gram.base.log_evidence + hyper.log_prior;
         let mut search = Search::new(&mut gram, most);
         search.evaluate(&[]);
-        search.settle(&at.present);
+        search.settle(&linear_fit.present);
         search.settle(&best);
         for point in &points {
             if let Some(top) = point
@@ -100,7 +98,7 @@ pub(super) fn explore<'l>(
                 search.settle(&top.members);
             }
         }
-        let findings = at.present.len();
+        let findings = linear_fit.present.len();
         search.run(MAX_EXTENDED, &mut || report.stage(Stage::Scores, findings));
         let has_several = search.best().is_some_and(|best| best.members.len() > 2);
         if !report.cancelled && (hyper.is_noisy() || is_first && points.is_empty() && has_several) {
@@ -108,8 +106,8 @@ pub(super) fn explore<'l>(
             search.run(MAX_EXTENDED, &mut || report.stage(Stage::Scores, findings));
         }
         if !report.cancelled {
-            search.explore_around(&at.present);
-            search.exchange(&at.present);
+            search.explore_around(&linear_fit.present);
+            search.exchange(&linear_fit.present);
             if let Some(top) = search.best().map(|best| best.members.clone()) {
                 search.exchange(&top);
             }
@@ -125,30 +123,30 @@ pub(super) fn explore<'l>(
         if !pending.is_empty() {
             continue;
         }
-        let ranking = ranked(&mut points, SETTLED_WITHIN, &at.present);
+        let ranking = ranked(&mut points, SETTLED_WITHIN, &linear_fit.present);
         let Some((members, _)) = ranking.first() else {
             break;
         };
-        let is_new = members != &best || points.len() <= 2 && members != &at.present;
+        let is_new = members != &best || points.len() <= 2 && members != &linear_fit.present;
         best.clone_from(members);
         if is_new && points.len() < MAX_POINTS && !report.cancelled {
-            let next = at.estimate(start, &best).hyper;
+            let next = linear_fit.estimate(start, &best).hyper;
             let last = points.last().map(|point| &point.hyper);
             if last.is_some_and(|last| next.is_far_from(last)) {
                 pending.push(next.clone());
             }
-            found = next;
+            best_hyper = next;
         }
     }
     let visibility = points
         .first()
         .map_or_else(Vec::new, |point| visibility(&point.gram));
-    let ranking = ranked(&mut points, KEPT_WITHIN, &at.present);
-    let gram = points.into_iter().find(|point| point.hyper == found);
+    let ranking = ranked(&mut points, KEPT_WITHIN, &linear_fit.present);
+    let gram = points.into_iter().find(|point| point.hyper == best_hyper);
     Exploration {
         visibility,
         ranking,
-        gram: gram.map_or_else(|| at.gram(&found), |point| point.gram),
+        gram: gram.map_or_else(|| linear_fit.gram(&best_hyper), |point| point.gram),
     }
 }
 
@@ -182,19 +180,19 @@ fn ranked(
     if counted >= KEPT_WITHIN {
         let likeliest = best.iter().max_by(order).map(|(set, _)| set.clone());
         for causes in likeliest.iter().chain([&present]) {
-            let Some((_, own)) = best.get(causes) else {
+            let Some((_, log_posterior)) = best.get(causes) else {
                 continue;
             };
             for cause in causes {
                 // A full fit may raise the most probable set without one of the causes.
                 let without = |(set, (_, value)): &(&CandidateSet, &(usize, f64))| {
-                    *value > own - RIVAL_WITHIN && !set.contains(cause)
+                    *value > log_posterior - RIVAL_WITHIN && !set.contains(cause)
                 };
                 // The linear comparison is less accurate for causes that explain much.
                 let others: CandidateSet = causes.iter().copied().filter(|c| c != cause).collect();
-                let explained = best.get(&others).map_or(0.0, |(_, value)| own - value);
+                let explained = best.get(&others).map_or(0.0, |(_, v)| log_posterior - v);
                 let exchanged = |(set, (_, value)): &(&CandidateSet, &(usize, f64))| {
-                    *value > own - LINEARISATION_ERROR * explained
+                    *value > log_posterior - LINEARISATION_ERROR * explained
                         && set.len() == causes.len()
                         && !set.contains(cause)
                         && others.iter().all(|other| set.contains(other))
@@ -216,34 +214,34 @@ fn ranked(
             evaluated = settled(&mut points[place].gram, &evaluated.members);
             points[place].evaluated.insert(set, evaluated.clone());
         }
-        let all = points.iter_mut().enumerate().map(|(k, point)| {
-            let own = if k == place {
+        let log_posteriors = points.iter_mut().enumerate().map(|(k, point)| {
+            let log_posterior = if k == place {
                 evaluated.log_posterior
             } else {
                 point.log_posterior(&evaluated.members) + evaluated.over_scales.unwrap_or(0.0)
             };
-            point.log_evidence_of_none + own
+            point.log_evidence_of_none + log_posterior
         });
-        let total = log_sum(all);
+        let total = log_sum(log_posteriors);
         ranking.push((evaluated.members, total));
     }
     ranking.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
     ranking
 }
 
-/// How well the data show each single cause.
+/// Visibility of each single cause in the data.
 pub(super) fn visibility(gram: &Gram<'_>) -> Vec<Visibility> {
-    let mut found: Vec<Visibility> = Vec::new();
-    for (candidate, own) in gram.candidates.iter().zip(&gram.scores) {
+    let mut visible: Vec<Visibility> = Vec::new();
+    for (candidate, candidate_score) in gram.candidates.iter().zip(&gram.scores) {
         if candidate.is_family() {
             continue;
         }
-        let information = own.information[(0, 0)];
+        let information = candidate_score.information[(0, 0)];
         let scaled = information * candidate.prior[(0, 0)].powi(2);
         let sd = (scaled > MIN_INFORMATION).then(|| information.sqrt().recip());
         // The score of a zero column is exactly zero, while rounding may leave some information.
-        let is_read = own.score.iter().any(|s| *s != 0.0);
-        match found.last_mut() {
+        let is_read = candidate_score.score.iter().any(|s| *s != 0.0);
+        match visible.last_mut() {
             Some(last) if is_same_effect_and_targets(&last.cause, &candidate.cause) => {
                 last.is_read |= is_read;
                 last.sd = match (last.sd, sd) {
@@ -251,12 +249,12 @@ pub(super) fn visibility(gram: &Gram<'_>) -> Vec<Visibility> {
                     (a, b) => a.or(b),
                 };
             }
-            _ => found.push(Visibility {
+            _ => visible.push(Visibility {
                 cause: candidate.cause.clone(),
                 is_read,
                 sd,
             }),
         }
     }
-    found
+    visible
 }

@@ -10,7 +10,7 @@ use super::separation::separation;
 use crate::estimation::{EstimationError, ParameterId};
 use crate::statistics::chi_square_survival;
 
-/// What a finding needs to know of one cause of a fit.
+/// Data for the finding of one cause of a fit.
 pub(super) struct FindingBuilder<'f, 'a> {
     /// The fit of all confirmed causes.
     pub fit: &'f Fit<'a>,
@@ -35,8 +35,8 @@ impl FindingBuilder<'_, '_> {
         let rivals = self.rivals(&others)?;
         let is_named = self.posterior.is_named();
         let separation = rivals.first().filter(|_| !is_named).and_then(|rival| {
-            let own = self.fit_with_last(&others, cause).ok()?;
-            separation(&own, rival)
+            let fit = self.fit_with_last(&others, cause).ok()?;
+            separation(&fit, rival)
         });
         let ranking = ranking(&without, fit, self.index, &rivals);
         let [sentence, advice] = cause.in_words(&fit.problem.dataset.robot);
@@ -92,7 +92,7 @@ impl FindingBuilder<'_, '_> {
         let effects = fit.effects_of(self.index);
         let cause = &fit.causes[self.index];
         let several = cause.instances.len() > 1;
-        let mut found = Vec::new();
+        let mut parameters = Vec::new();
         let mut sds = self.sds.iter();
         for (effect, bound) in effects.zip(&cause.instances) {
             for (number, parameter) in bound.effect.parameters().iter().enumerate() {
@@ -101,7 +101,7 @@ impl FindingBuilder<'_, '_> {
                     parameter: number,
                 };
                 let is_estimated = fit.solution.parameters.iter().any(|p| p.id == id);
-                found.push(FoundParameter {
+                parameters.push(FoundParameter {
                     name: parameter.name,
                     cable: bound.cables.first().copied().filter(|_| several),
                     value: bound.values[number],
@@ -110,7 +110,7 @@ impl FindingBuilder<'_, '_> {
                 });
             }
         }
-        found
+        parameters
     }
 }
 
@@ -129,11 +129,11 @@ fn at_start_values(cause: &Cause) -> Cause {
 }
 
 /// Compares the cause with its fitted alternatives; the cause comes first.
-fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
+fn ranking(without: &Fit<'_>, fit: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
     let last = |fit: &Fit<'_>| fit.causes.len() - 1;
-    let all = rivals.iter().map(|fit| (fit, last(fit)));
-    std::iter::once((own, index))
-        .chain(all)
+    let fitted = rivals.iter().map(|fit| (fit, last(fit)));
+    std::iter::once((fit, index))
+        .chain(fitted)
         .map(|(fit, index)| Rival {
             cause: fit.causes[index].clone(),
             delta_chi2: without.solution.chi2 - fit.solution.chi2,

@@ -31,11 +31,11 @@ impl<'a> Fit<'a> {
     /// starting from their values. The fit is abandoned early if it does not improve on the one without causes.
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
         let of_model = base.held_effects.len() + base.free_effects.len();
-        let known = base.known.as_ref().filter(|known| {
+        let start = base.known.as_ref().filter(|start| {
             // A solution with causes is a start only.
-            !causes.is_empty() && known.globals.effects.len() == of_model
+            !causes.is_empty() && start.globals.effects.len() == of_model
         });
-        let bound = known.map_or(f64::INFINITY, |known| known.chi2);
+        let bound = start.map_or(f64::INFINITY, |start| start.chi2);
         Self::with_early_stop((bound, PATIENCE), base, causes)
     }
 
@@ -46,8 +46,8 @@ impl<'a> Fit<'a> {
         causes: &[Cause],
     ) -> Result<Self, EstimationError> {
         let mut problem = base.clone();
-        let own = causes.iter().flat_map(|cause| cause.instances.iter());
-        problem.free_effects.extend(own.cloned());
+        let effects = causes.iter().flat_map(|cause| cause.instances.iter());
+        problem.free_effects.extend(effects.cloned());
         problem.remove_covered_deviations();
         let mut tried = 0;
         let watch = &mut |progress: &Progress| {
@@ -113,21 +113,21 @@ impl<'a> Fit<'a> {
             &self.problem_with_deviations(FACTORS[AS_STATED]),
             &self.causes,
         )?;
-        let left = (fit.chi2_per_freedom() - 1.0) / (self.chi2_per_freedom() - 1.0);
-        if left > MOST_LEFT || !fit.has_deviations_within(LARGEST_DEVIATION) {
+        let remaining = (fit.chi2_per_freedom() - 1.0) / (self.chi2_per_freedom() - 1.0);
+        if remaining > MOST_LEFT || !fit.has_deviations_within(LARGEST_DEVIATION) {
             return Ok(None);
         }
         let base = fit.base.clone().at_poses_of(&fit.solution);
         Self::new(&base, &fit.causes).map(Some)
     }
 
-    /// Whether the estimated deviations of all parts are within so many standard deviations of their priors.
+    /// Whether all estimated deviations of the parts are within `most` standard deviations of their priors.
     fn has_deviations_within(&self, most: f64) -> bool {
         let held = self.problem.held_deviations.len();
-        let found = &self.solution.globals.deviations[held..];
-        let pairs = self.problem.deviations.iter().zip(found);
-        let mut values = pairs.flat_map(|(part, found)| {
-            let values = found.values.iter().zip(&part.bound.values);
+        let estimated = &self.solution.globals.deviations[held..];
+        let pairs = self.problem.deviations.iter().zip(estimated);
+        let mut values = pairs.flat_map(|(part, estimated)| {
+            let values = estimated.values.iter().zip(&part.bound.values);
             values.zip(&part.prior_sd)
         });
         values.all(|((value, neutral), sd)| (value - neutral).abs() <= most * sd)
@@ -144,7 +144,7 @@ impl<'a> Fit<'a> {
         Rc::clone(self.deviation_columns.get_or_init(new))
     }
 
-    /// The columns of the deviations evaluated at this fit, whether or not it has those of another one.
+    /// The columns of the deviations evaluated at this fit, even if it uses those of another fit.
     pub fn own_deviation_columns(&self) -> DeviationColumns {
         DeviationColumns::new(&self.problem, &self.solution, self.model_effects())
     }
@@ -179,9 +179,9 @@ impl<'a> Fit<'a> {
 
     /// Indices of the parameters of one cause in the solution.
     pub fn parameters_of(&self, cause: usize) -> Vec<usize> {
-        let own = self.effects_of(cause);
+        let effects = self.effects_of(cause);
         let is_own = |id: &ParameterId| match id {
-            ParameterId::Effect { effect, .. } => own.contains(effect),
+            ParameterId::Effect { effect, .. } => effects.contains(effect),
             _ => false,
         };
         let parameters = self.solution.parameters.iter();

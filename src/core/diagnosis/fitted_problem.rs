@@ -10,8 +10,8 @@ use crate::measurement::Dataset;
 use crate::robot::{PartTolerances, PerAxis, Robot};
 use crate::statistics::chi_square_quantile;
 
-/// The robot with the tolerances that a diagnosis assumes: no machine is exact, so what is not stated is typical. The
-/// deviations that a model states are estimated anew.
+/// The robot with the tolerances that a diagnosis assumes: no machine is exact, so unstated tolerances are the typical ones.
+/// The deviations that a model states are estimated anew.
 pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
     let mut robot = robot.clone();
     robot.deviations.clear();
@@ -19,8 +19,9 @@ pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
     robot
 }
 
-/// What a diagnosis takes of a dataset: channels as the model states them, rows of one standstill averaged, recordings in motion and
-/// very many poses thinned, and the tolerances that it assumes; with the largest number of averaged rows of a standstill.
+/// The dataset as a diagnosis uses it: channels as the model states them, rows of one standstill averaged, recordings in motion
+/// and very many poses thinned, and tolerances assumed where none are stated. Also returns the largest number of rows averaged
+/// at a standstill.
 pub(super) fn independent_dataset(dataset: &Dataset) -> Result<(Dataset, usize), EstimationError> {
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
@@ -61,7 +62,7 @@ pub(super) fn usual_variance(dataset: &Dataset, factor: f64) -> Result<f64, Esti
     Ok((middle.zip(of_noise)).map_or(1.0, |(middle, of_noise)| (middle / of_noise).max(1.0)))
 }
 
-/// A dataset whose description states so many times the variance of lengths and positions.
+/// A dataset whose description states a multiple of the variance of lengths and positions.
 pub(super) fn with_variance(dataset: &Dataset, variance: f64) -> Dataset {
     let mut noisier = dataset.clone();
     let factor = variance.sqrt();

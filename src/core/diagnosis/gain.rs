@@ -1,4 +1,4 @@
-//! Cross-validation: the gain of a cause on held-out poses, and by how much it moves the platform.
+//! Cross-validation: the gain of a cause on held-out poses, and the change of the platform's positions.
 //!
 //! Each pose is left out in turn. With the orthonormal basis `V` of the estimated parameters and the rows `j` of the
 //! pose, the residual that the fit to all other poses predicts is `e_j = (1 - V_j V_j^T)^-1 r_j` (Cook and Weisberg 1982,
@@ -35,8 +35,8 @@ struct HeldOut {
 impl HeldOut {
     /// Sum of squares of one kind of reading, and its expectation from noise alone.
     fn of_kind(&self, quantity: Quantity) -> (f64, f64) {
-        let found = self.kinds.iter().find(|(q, ..)| *q == quantity);
-        found.map_or((0.0, 0.0), |(_, squares, freedom)| (*squares, *freedom))
+        let kind = self.kinds.iter().find(|(q, ..)| *q == quantity);
+        kind.map_or((0.0, 0.0), |(_, squares, freedom)| (*squares, *freedom))
     }
 }
 
@@ -48,7 +48,7 @@ pub(super) struct Prediction {
     projector: Projector,
     /// Positions of the fitted poses by row (m).
     positions: Vec<(usize, Vector3<f64>)>,
-    /// Rows at which an event of the model acts alone; no other pose could predict it.
+    /// Rows at which an event of the model acts alone, so that no other pose can predict them.
     events: Vec<usize>,
 }
 
@@ -98,9 +98,9 @@ impl Prediction {
 
     /// Distance of the fitted positions from those of another fit.
     fn position_change(&self, before: &Self) -> PositionChange {
-        let position = |all: &[(usize, Vector3<f64>)], row: usize| {
-            let found = all.iter().find(|(known, _)| *known == row);
-            found.map_or_else(Vector3::zeros, |(_, position)| *position)
+        let position = |positions: &[(usize, Vector3<f64>)], row: usize| {
+            let entry = positions.iter().find(|(k, _)| *k == row);
+            entry.map_or_else(Vector3::zeros, |(_, position)| *position)
         };
         let poses = self.held_out.iter().map(|pose| pose.row);
         let differences =
@@ -165,15 +165,15 @@ fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldO
     let (first, count) = (block.rows.start, block.rows.len());
     let basis = projector.basis().rows(first, count);
     let residual = projector.residual.rows(first, count);
-    let left = DMatrix::identity(count, count) - basis * basis.transpose();
+    let remaining = DMatrix::identity(count, count) - basis * basis.transpose();
     // The matrix is singular only if this pose alone determines a parameter; then the pose cannot be predicted.
-    let error = left.cholesky().map(|factor| factor.solve(&residual));
+    let error = remaining.cholesky().map(|factor| factor.solve(&residual));
     let step = error.as_ref().map_or_else(
         || DVector::zeros(projector.rank()),
         |error| basis.tr_mul(error),
     );
     let error = error.unwrap_or_else(|| residual.into_owned());
-    let own: Vec<f64> = block
+    let redundancy: Vec<f64> = block
         .remainder
         .row_iter()
         .map(|row| row.norm_squared())
@@ -183,7 +183,7 @@ fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldO
         let Some(quantity) = quantity_of(row.kind) else {
             continue;
         };
-        let (square, freedom) = (error[k] * error[k], own[k]);
+        let (square, freedom) = (error[k] * error[k], redundancy[k]);
         match kinds.iter_mut().find(|(q, ..)| *q == quantity) {
             Some((_, squares, freedoms)) => {
                 *squares += square;
@@ -195,7 +195,7 @@ fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldO
     HeldOut {
         row: block.row,
         chi2: error.norm_squared(),
-        freedom: own.iter().sum(),
+        freedom: redundancy.iter().sum(),
         kinds,
         step,
     }
@@ -260,6 +260,6 @@ fn resampled(pairs: &[(&HeldOut, &HeldOut)]) -> [f64; 2] {
         })
         .collect();
     differences.sort_by(f64::total_cmp);
-    let at = |share: f64| differences[((RESAMPLES - 1) as f64 * share).round() as usize];
-    [at(0.025), at(0.975)]
+    let quantile = |share: f64| differences[((RESAMPLES - 1) as f64 * share).round() as usize];
+    [quantile(0.025), quantile(0.975)]
 }

@@ -11,7 +11,7 @@ use std::rc::Rc;
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::FEW_COLUMNS;
-use super::candidates::{Candidate, Column, PoseWeights};
+use super::candidates::{Candidate, CandidateColumn, PoseWeights};
 use super::catalogue::Catalogue;
 use super::hyperparameters::LinearProblem;
 use super::reduced_problem::ReducedProblem;
@@ -37,7 +37,7 @@ pub(super) struct Gram<'l> {
     pub scores: Vec<CandidateScore>,
     /// Index of the first column of each candidate, and the number of columns at the end.
     pub first: Vec<usize>,
-    columns: Vec<Column>,
+    columns: Vec<CandidateColumn>,
     /// Generators that have columns acting at some poses only, with their indices among them.
     local: HashMap<usize, usize>,
     /// Weights at each pose, for each column of a wave.
@@ -58,7 +58,7 @@ impl<'l> Gram<'l> {
         let mut whitened = generators.clone();
         base.noise.whiten(&mut whitened);
         let mut first = Vec::new();
-        let mut columns: Vec<Column> = Vec::new();
+        let mut columns: Vec<CandidateColumn> = Vec::new();
         for candidate in &catalogue.candidates {
             first.push(columns.len());
             columns.extend(&candidate.columns);
@@ -103,7 +103,7 @@ impl<'l> Gram<'l> {
         let whole = self.generators.transpose() * &self.generators
             - self.eliminated.transpose() * &self.eliminated;
         let events = self.event_information();
-        let mut own = Vec::with_capacity(self.candidates.len());
+        let mut scores = Vec::with_capacity(self.candidates.len());
         for (index, candidate) in self.candidates.iter().enumerate() {
             let generators = candidate.generators();
             let information = match candidate.columns[0].pose_weights {
@@ -114,47 +114,47 @@ impl<'l> Gram<'l> {
                 PoseWeights::From(pose) => events[&generators][pose][1].clone(),
                 PoseWeights::Wave { .. } => self.wave_information(index),
             };
-            own.push(CandidateScore {
+            scores.push(CandidateScore {
                 score: DVector::from_column_slice(&score[self.first[index]..self.first[index + 1]]),
                 information,
             });
         }
-        own
+        scores
     }
 
     /// Information of the generators of each event, for an event at each single pose and one from each pose on.
     fn event_information(&self) -> HashMap<Vec<usize>, Vec<[DMatrix<f64>; 2]>> {
         let events = self.candidates.iter().filter(|c| c.is_event());
         let groups: BTreeSet<Vec<usize>> = events.map(Candidate::generators).collect();
-        let all: Vec<usize> = groups.iter().flatten().copied().collect();
-        let columns = self.generators.select_columns(&all);
+        let generators: Vec<usize> = groups.iter().flatten().copied().collect();
+        let columns = self.generators.select_columns(&generators);
         let poses = self.linear.conditions.poses;
-        let mut found = vec![Vec::with_capacity(poses); groups.len()];
+        let mut information = vec![Vec::with_capacity(poses); groups.len()];
         let empty = |group: &Vec<usize>| DMatrix::zeros(group.len(), group.len());
         let mut sums: Vec<DMatrix<f64>> = groups.iter().map(empty).collect();
-        let mut eliminated = DMatrix::zeros(self.base.eliminated.nrows(), all.len());
+        let mut eliminated = DMatrix::zeros(self.base.eliminated.nrows(), generators.len());
         for block in self.linear.conditions.blocks[..poses].iter().rev() {
             let (first, count) = (block.conditions.start, block.conditions.len());
-            let own = columns.rows(first, count);
-            let alone = self.base.eliminated.columns(first, count) * own;
+            let rows = columns.rows(first, count);
+            let alone = self.base.eliminated.columns(first, count) * rows;
             eliminated += &alone;
             let mut start = 0;
-            for (sum, by_pose) in sums.iter_mut().zip(&mut found) {
+            for (sum, by_pose) in sums.iter_mut().zip(&mut information) {
                 let k = sum.nrows();
-                let square = own.columns(start, k).tr_mul(&own.columns(start, k));
+                let square = rows.columns(start, k).tr_mul(&rows.columns(start, k));
                 *sum += &square;
-                let left = |square: &DMatrix<f64>, eliminated: &DMatrix<f64>| {
-                    let own = eliminated.columns(start, k);
-                    square - own.tr_mul(&own)
+                let remaining = |square: &DMatrix<f64>, eliminated: &DMatrix<f64>| {
+                    let part = eliminated.columns(start, k);
+                    square - part.tr_mul(&part)
                 };
-                by_pose.push([left(&square, &alone), left(sum, &eliminated)]);
+                by_pose.push([remaining(&square, &alone), remaining(sum, &eliminated)]);
                 start += k;
             }
         }
-        for by_pose in &mut found {
+        for by_pose in &mut information {
             by_pose.reverse();
         }
-        groups.into_iter().zip(found).collect()
+        groups.into_iter().zip(information).collect()
     }
 
     /// A whitened column. Whitening works pose by pose, so it commutes with weighting the poses.
@@ -193,13 +193,13 @@ impl<'l> Gram<'l> {
 
     /// Products of a column with all columns.
     pub fn row(&mut self, column: usize) -> Rc<Vec<f64>> {
-        if let Some(known) = self.rows.get(&column) {
-            return Rc::clone(known);
+        if let Some(row) = self.rows.get(&column) {
+            return Rc::clone(row);
         }
         let values = self.column(column);
         let eliminated = self.eliminated_part(column, &values);
-        let left = &values - self.base.eliminated.tr_mul(&eliminated);
-        let row = Rc::new(self.cross(&left));
+        let residual = &values - self.base.eliminated.tr_mul(&eliminated);
+        let row = Rc::new(self.cross(&residual));
         self.rows.insert(column, Rc::clone(&row));
         row
     }
@@ -211,8 +211,8 @@ impl<'l> Gram<'l> {
         }
         let is_known = |column: &usize| self.rows.contains_key(column);
         if range.len() <= FEW_COLUMNS && !with.iter().all(is_known) {
-            let all: Vec<usize> = with.iter().copied().chain(range.clone()).collect();
-            let block = self.block(&all);
+            let columns: Vec<usize> = with.iter().copied().chain(range.clone()).collect();
+            let block = self.block(&columns);
             return block
                 .view((with.len(), 0), (range.len(), with.len()))
                 .into_owned();
@@ -229,7 +229,7 @@ impl<'l> Gram<'l> {
         if columns.len() > FEW_COLUMNS {
             return self.products_among(columns);
         }
-        let known = |i: usize, k: usize| {
+        let product = |i: usize, k: usize| {
             let (one, other) = (columns[i], columns[k]);
             let row = self.rows.get(&one).map(|row| row[other]);
             row.or_else(|| self.pairs.get(&(one.min(other), one.max(other))).copied())
@@ -237,7 +237,7 @@ impl<'l> Gram<'l> {
         let mut block = DMatrix::zeros(columns.len(), columns.len());
         for i in 0..columns.len() {
             for k in 0..=i {
-                let Some(value) = known(i, k) else {
+                let Some(value) = product(i, k) else {
                     return self.remember(columns);
                 };
                 (block[(i, k)], block[(k, i)]) = (value, value);
@@ -259,14 +259,14 @@ impl<'l> Gram<'l> {
     }
 
     fn products_among(&self, columns: &[usize]) -> DMatrix<f64> {
-        let mut own = DMatrix::zeros(self.linear.conditions.count, columns.len());
+        let mut whitened = DMatrix::zeros(self.linear.conditions.count, columns.len());
         let mut eliminated = DMatrix::zeros(self.eliminated.nrows(), columns.len());
         for (k, column) in columns.iter().enumerate() {
             let values = self.column(*column);
             eliminated.set_column(k, &self.eliminated_part(*column, &values));
-            own.set_column(k, &values);
+            whitened.set_column(k, &values);
         }
-        own.transpose() * &own - eliminated.transpose() * &eliminated
+        whitened.transpose() * &whitened - eliminated.transpose() * &eliminated
     }
 
     /// Products of all columns with whitened conditions.
@@ -288,7 +288,7 @@ impl<'l> Gram<'l> {
             }
         }
         let mut waves = self.waves.iter();
-        let product = |column: &Column| {
+        let product = |column: &CandidateColumn| {
             let place = || self.local[&column.generator];
             match column.pose_weights {
                 PoseWeights::Everywhere => whole[column.generator],

@@ -47,15 +47,15 @@ pub(super) fn odds_of_heavy_tails(inference: &Inference<'_>) -> Vec<f64> {
         .map(|(cause, sds)| wrong_reading(inference, cause, &sds))
         .collect();
     let space = ResidualSpace::new(&inference.fit.linearisation());
-    let odds = |own: &Option<WrongReading>| {
-        let Some(own) = own else {
+    let odds = |reading: &Option<WrongReading>| {
+        let Some(reading) = reading else {
             return 0.0;
         };
         // Larger errors may be wrong readings all the same.
         let alike = wrong.iter().flatten();
-        let alike = alike.filter(|w| w.quantity == own.quantity && w.size() <= own.size());
+        let alike = alike.filter(|w| w.quantity == reading.quantity && w.size() <= reading.size());
         let alike: Vec<&WrongReading> = alike.collect();
-        let others = other_residuals(&space, own.quantity, &alike);
+        let others = other_residuals(&space, reading.quantity, &alike);
         log_odds(&alike, &others).exp()
     };
     wrong.iter().map(odds).collect()
@@ -71,7 +71,7 @@ fn wrong_reading(
         return None;
     };
     let of_errors = (0..bound.values.len()).filter(|k| *k != pose);
-    let known = of_errors
+    let determined = of_errors
         .zip(sds)
         .enumerate()
         .filter_map(|(column, (k, sd))| {
@@ -79,7 +79,7 @@ fn wrong_reading(
             let sd = sd.filter(|sd| *sd < UNDETERMINED * prior_sd)?;
             Some(((column, bound.values[k]), sd))
         });
-    let (values, sds): (Vec<(usize, f64)>, Vec<f64>) = known.unzip();
+    let (values, sds): (Vec<(usize, f64)>, Vec<f64>) = determined.unzip();
     if values.is_empty() {
         return None;
     }

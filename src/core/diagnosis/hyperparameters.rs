@@ -35,7 +35,7 @@ pub(super) struct Hyperparameters {
 }
 
 impl Hyperparameters {
-    /// Whether two points differ enough to give different probabilities.
+    /// Whether two points are so far apart that their probabilities differ notably.
     pub fn is_far_from(&self, other: &Self) -> bool {
         let far = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.3;
         self.amplitude != other.amplitude
@@ -43,7 +43,7 @@ impl Hyperparameters {
             || self.variance.iter().zip(&other.variance).any(far)
     }
 
-    /// Whether noise or background is much larger than described, so that much is unexplained.
+    /// Whether a variance exceeds twice the described one, or the background is large: much of the readings is unexplained.
     pub fn is_noisy(&self) -> bool {
         self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
     }
@@ -52,7 +52,7 @@ impl Hyperparameters {
 /// The linear problem without candidate causes.
 pub(super) struct LinearProblem {
     pub conditions: Conditions,
-    /// Residuals as conditions, minus what the causes of the fit explain.
+    /// Residuals as conditions, minus the contributions of the causes of the fit.
     pub residual: DVector<f64>,
     /// Derivatives with respect to the parameters that are always estimated.
     pub fixed: DMatrix<f64>,
@@ -68,19 +68,19 @@ pub(super) type Start<'s> = Option<&'s [f64]>;
 /// Estimated hyperparameters.
 pub(super) struct Estimate<'l> {
     pub hyper: Hyperparameters,
-    /// Log posterior density there.
+    /// Log posterior density at the hyperparameters.
     pub log_density: f64,
-    /// The problem reduced there.
+    /// The problem reduced at the hyperparameters.
     pub base: ReducedProblem<'l>,
 }
 
-/// Where the estimation goes next.
+/// Next points of the iteration.
 struct Step {
-    /// With all amplitudes that raise the density changed.
+    /// All amplitudes that raise the density are changed.
     all: Hyperparameters,
-    /// With only that of the largest gain changed.
+    /// Only the amplitude or factor with the largest gain is changed.
     strongest: Hyperparameters,
-    /// Whether it changes so little that the estimation has converged.
+    /// Whether the change is so small that the iteration has converged.
     is_small: bool,
 }
 
@@ -164,15 +164,15 @@ impl LinearProblem {
     }
 
     /// Eliminates the background, the deviations of the parts and the parameters that are always estimated at the
-    /// hyperparameters `at`, and also `further` columns whose parameters have prior variance 1.
-    pub fn reduced(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> ReducedProblem<'_> {
-        let noise = self.conditions.noise(&at.variance);
-        let present = self.shapes.iter().zip(&at.amplitude);
+    /// hyperparameters `hyper`, and also `further` columns whose parameters have prior variance 1.
+    pub fn reduced(&self, hyper: &Hyperparameters, further: &DMatrix<f64>) -> ReducedProblem<'_> {
+        let noise = self.conditions.noise(&hyper.variance);
+        let present = self.shapes.iter().zip(&hyper.amplitude);
         let present: Vec<(&Shape, f64)> = present
             .filter(|(_, amplitude)| **amplitude > 0)
             .map(|(shape, amplitude)| (shape, AMPLITUDES[*amplitude]))
             .collect();
-        let factor = FACTORS[at.factor];
+        let factor = FACTORS[hyper.factor];
         let deviations = match factor > 0.0 {
             true => &self.deviations * factor,
             false => DMatrix::zeros(self.conditions.count, 0),
@@ -267,27 +267,27 @@ impl LinearProblem {
 
     /// The step from an estimate: variances from the residuals, amplitudes by their evidence.
     fn step(&self, from: &Estimate<'_>) -> Step {
-        let (at, base) = (&from.hyper, &from.base);
-        let evidence = self.amplitude_evidence(base, at);
+        let (hyper, base) = (&from.hyper, &from.base);
+        let evidence = self.amplitude_evidence(base, hyper);
         let amplitude = self.amplitudes(&evidence);
-        let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][at.amplitude[*k]];
-        let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != at.amplitude[*k]);
+        let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][hyper.amplitude[*k]];
+        let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != hyper.amplitude[*k]);
         let strongest = changed.max_by(|a, b| gain(a).total_cmp(&gain(b)));
-        let of_factor = self.factor_evidence(base, at);
+        let of_factor = self.factor_evidence(base, hyper);
         let best = |a: &usize, b: &usize| of_factor[*a].total_cmp(&of_factor[*b]);
-        let factor = (0..FACTORS.len()).max_by(best).unwrap_or(at.factor);
-        let gain_of_factor = of_factor[factor] - of_factor[at.factor];
-        let mut single = at.amplitude.clone();
-        let mut single_factor = at.factor;
+        let factor = (0..FACTORS.len()).max_by(best).unwrap_or(hyper.factor);
+        let gain_of_factor = of_factor[factor] - of_factor[hyper.factor];
+        let mut single = hyper.amplitude.clone();
+        let mut single_factor = hyper.factor;
         match strongest {
             Some(k) if gain(&k) > gain_of_factor => single[k] = amplitude[k],
             _ => single_factor = factor,
         }
         let variance = self.next_variances(base);
-        let change = at.variance.iter().zip(&variance);
+        let change = hyper.variance.iter().zip(&variance);
         let change = change.map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
         Step {
-            is_small: change < HYPER_CONVERGED && strongest.is_none() && factor == at.factor,
+            is_small: change < HYPER_CONVERGED && strongest.is_none() && factor == hyper.factor,
             strongest: self.with_prior(variance.clone(), single, single_factor),
             all: self.with_prior(variance, amplitude, factor),
         }
@@ -328,9 +328,9 @@ impl LinearProblem {
             let kind = (total(0) + KIND_VARIANCE_WEIGHT) / (total(1) + KIND_VARIANCE_WEIGHT);
             for class in classes {
                 let [squares, redundancy] = sums[class];
-                let own =
+                let shrunk =
                     (squares + CABLE_VARIANCE_WEIGHT * kind) / (redundancy + CABLE_VARIANCE_WEIGHT);
-                variance[class] = own.clamp(VARIANCES[0], VARIANCES[1]);
+                variance[class] = shrunk.clamp(VARIANCES[0], VARIANCES[1]);
             }
         }
         variance
@@ -341,11 +341,11 @@ impl LinearProblem {
     pub fn factor_evidence(
         &self,
         base: &ReducedProblem<'_>,
-        at: &Hyperparameters,
+        hyper: &Hyperparameters,
     ) -> [f64; FACTORS.len()] {
         if self.deviations.ncols() == 0 {
             return std::array::from_fn(|k| {
-                if k == at.factor {
+                if k == hyper.factor {
                     0.0
                 } else {
                     f64::NEG_INFINITY
@@ -358,7 +358,7 @@ impl LinearProblem {
         let eliminated = &base.eliminated * &columns;
         let information =
             transposed_times(&columns, &columns) - transposed_times(&eliminated, &eliminated);
-        evidence_of_sizes(score, information, FACTORS[at.factor], &FACTORS)
+        evidence_of_sizes(score, information, FACTORS[hyper.factor], &FACTORS)
     }
 
     /// Amplitudes of largest posterior probability, each conditional on the present values of the others.
@@ -387,11 +387,11 @@ impl LinearProblem {
     fn amplitude_evidence(
         &self,
         base: &ReducedProblem<'_>,
-        at: &Hyperparameters,
+        hyper: &Hyperparameters,
     ) -> Vec<[f64; AMPLITUDES.len()]> {
         let mut of_class: Option<(usize, ReadingErrors)> = None;
-        let mut all = Vec::with_capacity(self.shapes.len());
-        for (shape, present) in self.shapes.iter().zip(&at.amplitude) {
+        let mut evidence = Vec::with_capacity(self.shapes.len());
+        for (shape, present) in self.shapes.iter().zip(&hyper.amplitude) {
             // Shapes of one class are adjacent, so that its reading errors can be reused.
             let errors = match of_class.take() {
                 Some((class, errors)) if class == shape.class => errors,
@@ -399,14 +399,14 @@ impl LinearProblem {
             };
             let (score, information) = errors.of(&shape.functions);
             of_class = Some((shape.class, errors));
-            all.push(evidence_of_sizes(
+            evidence.push(evidence_of_sizes(
                 score,
                 information,
                 AMPLITUDES[*present],
                 &AMPLITUDES,
             ));
         }
-        all
+        evidence
     }
 }
 
@@ -423,8 +423,8 @@ fn evidence_of_sizes<const N: usize>(
     let along = eigen.eigenvectors.tr_mul(&score);
     for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
         // Removes the size that the columns have at present.
-        let left = (1.0 - present * present * value.max(0.0)).max(1e-12);
-        let (value, along) = (value.max(0.0) / left, along / left);
+        let remaining = (1.0 - present * present * value.max(0.0)).max(1e-12);
+        let (value, along) = (value.max(0.0) / remaining, along / remaining);
         for (evidence, size) in evidence.iter_mut().zip(sizes) {
             let square = size * size;
             let spread = 1.0 + square * value;
@@ -467,8 +467,8 @@ impl Background {
 
     /// `Z^T` for other columns followed by the background functions.
     fn rows_after(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
-        let own: usize = self.parts.iter().map(|part| part.functions.nrows()).sum();
-        let mut rows = DMatrix::zeros(others.ncols() + own, others.nrows());
+        let functions: usize = self.parts.iter().map(|part| part.functions.nrows()).sum();
+        let mut rows = DMatrix::zeros(others.ncols() + functions, others.nrows());
         rows.rows_mut(0, others.ncols())
             .copy_from(&others.transpose());
         let mut start = others.ncols();

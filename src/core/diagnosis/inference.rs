@@ -67,7 +67,7 @@ impl Inference<'_> {
         self.columns.select_columns(&columns)
     }
 
-    /// By what the parts scatter, in units of their tolerances: the posterior mean of the factor.
+    /// Scatter of the parts, in units of their tolerances: the posterior mean of the factor.
     pub fn tolerance_factor(&self) -> f64 {
         let base = self.linear.reduced(&self.hyper, &self.columns);
         let evidence = self.linear.factor_evidence(&base, &self.hyper);
@@ -86,7 +86,7 @@ impl Inference<'_> {
 
     /// Log prior odds of some causes, including the priors of their scales and signs.
     pub fn log_prior(&self, causes: &[usize]) -> f64 {
-        let of = |k: &usize| {
+        let log_odds = |k: &usize| {
             let (index, scale) = self.present[*k];
             let candidate = &self.catalogue.candidates[index];
             // A normal prior truncated at zero has twice the density.
@@ -97,7 +97,7 @@ impl Inference<'_> {
             };
             candidate.log_odds + candidate.scales[scale].1 + sign
         };
-        causes.iter().map(of).sum()
+        causes.iter().map(log_odds).sum()
     }
 
     /// Standard deviations of the parameters of each cause with the actual noise and background; `None` where the data do not
@@ -149,23 +149,24 @@ impl Inference<'_> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
         let base = self.linear.reduced(&self.hyper, &none);
         let first = self.first_columns();
-        let mut own = self
+        let mut whitened = self
             .columns
             .columns(first[cause], first[cause + 1] - first[cause])
             .into_owned();
-        base.noise.whiten(&mut own);
-        own -= base.eliminated.tr_mul(&(&base.eliminated * &own));
-        let mut all = vec![0.0; self.hyper.variance.len()];
-        for column in own.column_iter() {
+        base.noise.whiten(&mut whitened);
+        whitened -= base.eliminated.tr_mul(&(&base.eliminated * &whitened));
+        let mut squares = vec![0.0; self.hyper.variance.len()];
+        for column in whitened.column_iter() {
             let sums = base
                 .noise
                 .class_sums(&column.into_owned(), &base.eliminated);
-            for ((sum, [square, _]), variance) in all.iter_mut().zip(sums).zip(&self.hyper.variance)
+            for ((sum, [square, _]), variance) in
+                squares.iter_mut().zip(sums).zip(&self.hyper.variance)
             {
                 *sum += square / variance;
             }
         }
-        all
+        squares
     }
 
     /// Standard deviations of the coordinates of each cause with the actual noise and background, relative to those
@@ -251,27 +252,27 @@ pub(super) fn infer<'a>(
             columns = Rc::new(fit.own_deviation_columns());
         }
         fit = fit.with_deviation_columns(&columns);
-        let at = LinearFit::new(&fit, true);
-        let own_evidence = at.own_evidence(smallest_variances.as_deref());
-        let own = own_evidence.value;
+        let linear_fit = LinearFit::new(&fit, true);
+        let own_evidence = linear_fit.own_evidence(smallest_variances.as_deref());
+        let log_evidence = own_evidence.value;
         lower_variances(&mut smallest_variances, &own_evidence.hyper);
         let exploration = explore(
-            &at,
+            &linear_fit,
             own_evidence,
             smallest_variances.as_deref(),
             (options.most_findings, round == 1),
             report,
         );
         let visible = seen.get_or_insert(exploration.visibility);
-        fitted.push((fit.causes.clone(), own));
-        let mut compared = SetComparison::new(&at, exploration.ranking, &fitted);
+        fitted.push((fit.causes.clone(), log_evidence));
+        let mut compared = SetComparison::new(&linear_fit, exploration.ranking, &fitted);
         let mut gram = exploration.gram;
         let mut best: Option<(f64, Fit<'a>)> = None;
         while let Some(place) = compared.next() {
-            if !report.stage(Stage::Refits, at.present.len()) {
+            if !report.stage(Stage::Refits, linear_fit.present.len()) {
                 break;
             }
-            let start = at.causes_of(&mut gram, compared.members(place));
+            let start = linear_fit.causes_of(&mut gram, compared.members(place));
             let refit = Fit::new(&base, &start)?.with_deviation_columns(&columns);
             let value = if is_physically_possible(&refit) {
                 let refit = LinearFit::new(&refit, false);
@@ -289,7 +290,7 @@ pub(super) fn infer<'a>(
                 }
             }
             fitted.push((compared.causes(place).to_vec(), value));
-            if value > best.as_ref().map_or(own, |b| b.0) {
+            if value > best.as_ref().map_or(log_evidence, |b| b.0) {
                 best = Some((value, refit));
                 if compared.is_best(place) && round < MAX_LINEARISATIONS {
                     // Start over with a linearisation at the better fit.
@@ -306,14 +307,14 @@ pub(super) fn infer<'a>(
                 fit = next;
             }
             best => {
-                let (own, last) = best.unwrap_or((own, fit));
+                let (log_evidence, last) = best.unwrap_or((log_evidence, fit));
                 let merged = merge_common_values(&last).filter(|_| may_go_on);
                 let merged = merged.map(|causes| Fit::new(&base, &causes)).transpose()?;
                 let merged = merged.map(|fit| fit.with_deviation_columns(&columns));
                 let better = merged.filter(|fit| {
-                    let at = LinearFit::new(fit, false);
-                    let evidence = at.own_evidence(smallest_variances.as_deref());
-                    is_physically_possible(fit) && evidence.value > own
+                    let linear_fit = LinearFit::new(fit, false);
+                    let evidence = linear_fit.own_evidence(smallest_variances.as_deref());
+                    is_physically_possible(fit) && evidence.value > log_evidence
                 });
                 match better {
                     Some(next) => fit = next,
@@ -330,9 +331,9 @@ pub(super) fn infer<'a>(
 }
 
 /// Replaces each variance factor by the smaller of the two.
-fn lower_variances(smallest_variances: &mut Option<Vec<f64>>, at: &Hyperparameters) {
-    let smallest = smallest_variances.get_or_insert_with(|| at.variance.clone());
-    for (least, variance) in smallest.iter_mut().zip(&at.variance) {
+fn lower_variances(smallest_variances: &mut Option<Vec<f64>>, hyper: &Hyperparameters) {
+    let smallest = smallest_variances.get_or_insert_with(|| hyper.variance.clone());
+    for (least, variance) in smallest.iter_mut().zip(&hyper.variance) {
         *least = least.min(*variance);
     }
 }
@@ -343,20 +344,20 @@ pub(super) fn inference_at_fit<'a>(
     mut ranking: Vec<RankedSet>,
     start: Start<'_>,
 ) -> Inference<'a> {
-    let at = LinearFit::new(&fit, false);
-    let hyper = at.estimate(start, &at.present).hyper;
-    let columns = at.columns(&at.present);
+    let linear_fit = LinearFit::new(&fit, false);
+    let hyper = linear_fit.estimate(start, &linear_fit.present).hyper;
+    let columns = linear_fit.columns(&linear_fit.present);
     // The linear comparison may rank the set of the fit slightly lower than another one.
-    if let Some(own) = ranking
+    if let Some(index) = ranking
         .iter()
         .position(|r| is_same_set(&r.causes, &fit.causes))
     {
-        let own = ranking.remove(own);
+        let ranked = ranking.remove(index);
         ranking.insert(
             0,
             RankedSet {
                 causes: fit.causes.clone(),
-                ..own
+                ..ranked
             },
         );
     }
@@ -365,7 +366,7 @@ pub(super) fn inference_at_fit<'a>(
         catalogue,
         present,
         ..
-    } = at;
+    } = linear_fit;
     Inference {
         ranking,
         linear,

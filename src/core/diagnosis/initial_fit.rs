@@ -26,12 +26,12 @@ fn diverse_sets(
     evaluated: &HashMap<CandidateSet, EvaluatedSet>,
     count: usize,
 ) -> Vec<Vec<Member>> {
-    let mut all: Vec<&EvaluatedSet> = evaluated.values().collect();
-    all.sort_by(|a, b| {
+    let mut sets: Vec<&EvaluatedSet> = evaluated.values().collect();
+    sets.sort_by(|a, b| {
         let order = b.log_posterior.total_cmp(&a.log_posterior);
         order.then_with(|| a.members.cmp(&b.members))
     });
-    let mut found: Vec<Vec<Member>> = all
+    let mut chosen: Vec<Vec<Member>> = sets
         .iter()
         .take(MAX_BEST_SETS)
         .map(|v| v.members.clone())
@@ -47,15 +47,15 @@ fn diverse_sets(
         })
     };
     let mut kinds = Vec::new();
-    for evaluated in all.iter().filter(|v| v.members.len() == count) {
-        let own = kind(&evaluated.members);
-        if kinds.len() < MAX_KINDS && !kinds.contains(&own) {
-            kinds.push(own);
-            found.push(evaluated.members.clone());
+    for evaluated in sets.iter().filter(|v| v.members.len() == count) {
+        let set_kind = kind(&evaluated.members);
+        if kinds.len() < MAX_KINDS && !kinds.contains(&set_kind) {
+            kinds.push(set_kind);
+            chosen.push(evaluated.members.clone());
         }
     }
-    found.sort_by_key(Vec::len);
-    found
+    chosen.sort_by_key(Vec::len);
+    chosen
 }
 
 /// Adds the causes that explain most of chi-square, in steps, as long as chi-square is far above its degrees of
@@ -72,27 +72,27 @@ pub(super) fn initial_fit<'a>(
     let no_deviations = Rc::new(DeviationColumns::none());
     let mut fit = from.with_deviation_columns(&no_deviations);
     for _ in 0..options.most_findings {
-        let left = fit.chi2_per_freedom();
-        if left < FAR_FROM_NOISE
-            || !left.is_finite()
+        let misfit = fit.chi2_per_freedom();
+        if misfit < FAR_FROM_NOISE
+            || !misfit.is_finite()
             || !report.stage(Stage::Refits, fit.causes.len())
         {
             break;
         }
-        let at = LinearFit::new(&fit, true);
-        let hyper = at.linear.with_variance_factor(left);
-        let mut gram = at.gram(&hyper);
-        seen.get_or_insert_with(|| visibility(&at.gram(&at.linear.described(0))));
-        let candidates = &at.catalogue.candidates;
+        let linear_fit = LinearFit::new(&fit, true);
+        let hyper = linear_fit.linear.with_variance_factor(misfit);
+        let mut gram = linear_fit.gram(&hyper);
+        seen.get_or_insert_with(|| visibility(&linear_fit.gram(&linear_fit.linear.described(0))));
+        let candidates = &linear_fit.catalogue.candidates;
         let mut search = Search::new(&mut gram, options.most_findings);
-        search.settle(&at.present);
-        let findings = at.present.len();
+        search.settle(&linear_fit.present);
+        let findings = linear_fit.present.len();
         search.run(MAX_EXTENDED / 2, &mut || {
             report.stage(Stage::Scores, findings)
         });
         search.prune_from_all();
         let evaluated = search.evaluated;
-        let price = (at.linear.conditions.count as f64).ln();
+        let price = (linear_fit.linear.conditions.count as f64).ln();
         // Log-likelihood with the noise scaled to the residuals, with the BIC penalty for parameters (Schwarz 1978) and
         // the prior of the set.
         let score = |fit: &Fit<'_>, members: &[Member]| {
@@ -103,18 +103,18 @@ pub(super) fn initial_fit<'a>(
         };
         let mut best: Option<(f64, Fit<'a>)> = None;
         for members in diverse_sets(candidates, &evaluated, findings + 1) {
-            if same_members(&members, &at.present) || report.cancelled {
+            if same_members(&members, &linear_fit.present) || report.cancelled {
                 continue;
             }
-            let found = best.as_ref().map_or(&fit, |(_, better)| better);
-            if found.causes.len() < members.len() && found.chi2_per_freedom() < FAR_FROM_NOISE {
+            let current = best.as_ref().map_or(&fit, |(_, better)| better);
+            if current.causes.len() < members.len() && current.chi2_per_freedom() < FAR_FROM_NOISE {
                 break;
             }
-            let causes = at.causes_of(&mut gram, &members);
-            let refit = if left < UNEXPLAINED_CHI2 {
+            let causes = linear_fit.causes_of(&mut gram, &members);
+            let refit = if misfit < UNEXPLAINED_CHI2 {
                 Fit::new(&problem, &causes)?
             } else {
-                let bound = found.solution.chi2;
+                let bound = current.solution.chi2;
                 Fit::with_early_stop((bound, PATIENCE_FAR_FROM_NOISE), &problem, &causes)?
             };
             let refit = refit.with_deviation_columns(&no_deviations);
@@ -123,9 +123,9 @@ pub(super) fn initial_fit<'a>(
                 best = Some((value, refit));
             }
         }
-        let own = score(&fit, &at.present);
+        let present_score = score(&fit, &linear_fit.present);
         match best {
-            Some((value, better)) if value > own => fit = better,
+            Some((value, better)) if value > present_score => fit = better,
             _ => break,
         }
     }

@@ -109,14 +109,14 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         self.linear.estimate(start, &self.columns(members))
     }
 
-    pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
+    pub fn gram(&self, hyper: &Hyperparameters) -> Gram<'_> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
-        self.gram_of(self.linear.reduced(at, &none))
+        self.gram_of(self.linear.reduced(hyper, &none))
     }
 
     /// All candidates beside the causes of the fit, which are estimated with each.
-    pub fn gram_beside_present(&self, at: &Hyperparameters) -> Gram<'_> {
-        self.gram_of(self.linear.reduced(at, &self.columns(&self.present)))
+    pub fn gram_beside_present(&self, hyper: &Hyperparameters) -> Gram<'_> {
+        self.gram_of(self.linear.reduced(hyper, &self.columns(&self.present)))
     }
 
     fn gram_of<'l>(&'l self, base: ReducedProblem<'l>) -> Gram<'l> {
@@ -149,8 +149,8 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         for ((index, _), range) in members.iter().zip(ranges) {
             let estimate: Vec<f64> = system.estimate.rows_range(range).iter().copied().collect();
             // Values from the nonlinear fit are more accurate than linear estimates.
-            let known = self.present.iter().position(|m| m.0 == *index);
-            causes.push(match known {
+            let present = self.present.iter().position(|m| m.0 == *index);
+            causes.push(match present {
                 Some(k) => self.fit.causes[k].clone(),
                 None => candidates[*index].estimated(&estimate),
             });

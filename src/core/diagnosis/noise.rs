@@ -97,16 +97,16 @@ fn start_variances(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> SeparateV
 /// Number of variances that are tested.
 fn test_count(space: &ResidualSpace) -> f64 {
     let ids = space.readings.iter().flatten();
-    let all = ids.flat_map(|id| [(id.quantity, None), (id.quantity, id.cable)]);
-    all.collect::<BTreeSet<Class>>().len() as f64
+    let tested = ids.flat_map(|id| [(id.quantity, None), (id.quantity, id.cable)]);
+    tested.collect::<BTreeSet<Class>>().len() as f64
 }
 
 /// Class of a reading when the cables in `separate` have a variance of their own.
 fn class_of(id: &ReadingId, separate: &SeparateVariances) -> Class {
-    let own = (id.quantity, id.cable);
+    let class = (id.quantity, id.cable);
     (
         id.quantity,
-        id.cable.filter(|_| separate.contains_key(&own)),
+        id.cable.filter(|_| separate.contains_key(&class)),
     )
 }
 
@@ -129,8 +129,8 @@ impl VarianceEstimate {
     fn new(space: &ResidualSpace, separate: &SeparateVariances, from: Option<&Self>) -> Self {
         let (classes, of_row) = classes(space, |id| class_of(id, separate));
         let start = |class: &Class| {
-            let known = || from.and_then(|from| from.variance_of(class));
-            separate.get(class).copied().or_else(known).unwrap_or(1.0)
+            let before = || from.and_then(|from| from.variance_of(class));
+            separate.get(class).copied().or_else(before).unwrap_or(1.0)
         };
         let mut estimate = Self {
             variance: classes.iter().map(start).collect(),
@@ -180,18 +180,18 @@ impl VarianceEstimate {
 
     /// Variance of a class over the described one, if it has one of its own.
     fn variance_of(&self, class: &Class) -> Option<f64> {
-        let index = self.classes.iter().position(|own| own == class)?;
+        let index = self.classes.iter().position(|c| c == class)?;
         Some(self.variance[index])
     }
 
     /// Variance of each class of readings of the residual space over the described one.
     fn variances_of_classes(&self) -> Vec<f64> {
-        let of = |id: &ReadingId| {
-            let own = self.variance_of(&(id.quantity, id.cable));
-            let variance = own.or_else(|| self.variance_of(&(id.quantity, None)));
+        let variance_of_id = |id: &ReadingId| {
+            let separate = self.variance_of(&(id.quantity, id.cable));
+            let variance = separate.or_else(|| self.variance_of(&(id.quantity, None)));
             variance.unwrap_or(1.0)
         };
-        self.space.classes().iter().map(of).collect()
+        self.space.classes().iter().map(variance_of_id).collect()
     }
 
     /// Statement on one variance, with an uncorrected p-value; `None` if it was not estimated.
@@ -286,8 +286,8 @@ fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
         let alone = information.diagonal();
         let inverse = Cholesky::new(information).map(|c| c.inverse());
         // If the information is singular, the class with the least redundancy is removed.
-        let known = |k: &usize| inverse.as_ref().map_or(alone[*k], |i| i[(*k, *k)].recip());
-        let worst = (0..kept.len()).min_by(|a, b| known(a).total_cmp(&known(b)));
+        let freedom = |k: &usize| inverse.as_ref().map_or(alone[*k], |i| i[(*k, *k)].recip());
+        let worst = (0..kept.len()).min_by(|a, b| freedom(a).total_cmp(&freedom(b)));
         match (worst, inverse) {
             (Some(worst), Some(inverse)) if inverse[(worst, worst)].recip() >= MIN_FREEDOM => {
                 return (kept, inverse);

@@ -1,10 +1,9 @@
-//! What a diagnosis assumes before it has seen the readings: prior probabilities of causes and errors, of their sizes, and of the
-//! noise.
+//! Priors of a diagnosis: probabilities of causes and errors, distributions of their sizes, and of the noise.
 
 /// A number for each kind of target of an effect on cables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TargetShares {
-    /// One cable, whichever.
+    /// One cable, any of them.
     pub one: f64,
     /// All cables with a common value.
     pub all_alike: f64,

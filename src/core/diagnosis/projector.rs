@@ -1,4 +1,4 @@
-//! Projection of the readings orthogonal to all parameters that are estimated in any case.
+//! Projection of the readings orthogonal to all parameters that are always estimated.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 

@@ -17,18 +17,18 @@ pub(super) struct ReadingErrors {
 impl ReadingErrors {
     pub fn new(base: &ReducedProblem<'_>, classes: &[usize]) -> Self {
         let errors = base.noise.unit_errors(classes);
-        let mut found = Self {
+        let mut reading_errors = Self {
             score: DVector::zeros(errors.len()),
             squares: DVector::zeros(errors.len()),
             eliminated: DMatrix::zeros(base.eliminated.nrows(), errors.len()),
         };
         for (pose, (first, error)) in errors.iter().enumerate() {
-            found.score[pose] = error.dot(&base.residual.rows(*first, error.len()));
-            found.squares[pose] = error.norm_squared();
+            reading_errors.score[pose] = error.dot(&base.residual.rows(*first, error.len()));
+            reading_errors.squares[pose] = error.norm_squared();
             let eliminated = base.eliminated.columns(*first, error.len()) * error;
-            found.eliminated.set_column(pose, &eliminated);
+            reading_errors.eliminated.set_column(pose, &eliminated);
         }
-        found
+        reading_errors
     }
 
     /// Score and information of errors that are functions of the pose, one function per column and one row per pose.

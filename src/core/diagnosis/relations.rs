@@ -21,8 +21,8 @@ pub(super) fn place_of(bound: &BoundEffect) -> f64 {
     place_parameter(bound.effect).map_or(f64::NAN, |k| bound.values[k])
 }
 
-/// Whether two places of an effect are the same: for waves about the same period, for steps poses that are at most
-/// `most_steps` apart. Effects without a place have the same one.
+/// Whether two places of an effect are the same: for waves about the same period, for steps poses that are at most `most_steps`
+/// apart. Effects without a place always agree.
 pub(super) fn is_same_place(effect: &Effect, one: f64, other: f64, most_steps: f64) -> bool {
     match effect.search() {
         Search::Wave {
@@ -59,7 +59,7 @@ pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
 
 /// Whether two sets consist of the same causes, in any order.
 pub(super) fn is_same_set(one: &[Cause], other: &[Cause]) -> bool {
-    let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
+    let contains = |causes: &[Cause], cause: &Cause| causes.iter().any(|c| is_same_cause(c, cause));
     one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
 }
 
@@ -80,25 +80,25 @@ pub(super) fn covers(one: &Cause, other: &Cause) -> bool {
 
 /// Whether a cause is the effect of a family on just one of its cables.
 pub(super) fn is_family_member(cause: &Cause, family: &Cause) -> bool {
-    let all = family.cables();
+    let cables = family.cables();
     family.instances.len() > 1
         && std::ptr::eq(cause.effect(), family.effect())
         && cause.effect().pose_parameter().is_none()
         && cause.cables().len() == 1
-        && cause.cables().iter().all(|cable| all.contains(cable))
+        && cause.cables().iter().all(|cable| cables.contains(cable))
 }
 
 /// Whether a set accounts for a cause, either by one of its causes or by several of the same effect on single cables.
-pub(super) fn is_covered_by(set: &[Cause], own: &Cause) -> bool {
-    let is_same = |cause: &&Cause| {
-        std::ptr::eq(cause.effect(), own.effect()) && own.effect().pose_parameter().is_none()
+pub(super) fn is_covered_by(set: &[Cause], cause: &Cause) -> bool {
+    let is_same = |one: &&Cause| {
+        std::ptr::eq(one.effect(), cause.effect()) && cause.effect().pose_parameter().is_none()
     };
     let together: Vec<usize> = set.iter().filter(is_same).flat_map(Cause::cables).collect();
-    let cables = own.cables();
+    let cables = cause.cables();
     // A common value plus a deviation of one cable is not the same as a value for each cable.
-    let is_more = |cause: &Cause| is_family_member(cause, own) && !covers(cause, own);
+    let is_more = |one: &Cause| is_family_member(one, cause) && !covers(one, cause);
     let has_more = set.iter().any(is_more);
-    let is_each = |cause: &Cause| !has_more || std::ptr::eq(cause.effect(), own.effect());
-    set.iter().any(|cause| covers(cause, own) && is_each(cause))
+    let is_each = |one: &Cause| !has_more || std::ptr::eq(one.effect(), cause.effect());
+    set.iter().any(|one| covers(one, cause) && is_each(one))
         || cables.len() > 1 && cables.iter().all(|cable| together.contains(cable))
 }

@@ -100,7 +100,7 @@ pub struct NoiseStatement {
     pub p_value: f64,
 }
 
-/// Whether a model explains the data.
+/// Goodness of fit of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adequacy {
     /// Whether the global test accepts the model.
@@ -159,7 +159,7 @@ impl Cause {
         self.effect().on_each_cable().filter(|_| is_each)
     }
 
-    /// What is wrong, and what to do about it in the workshop.
+    /// Sentence on the cause, and advice for the workshop.
     pub(super) fn in_words(&self, robot: &Robot) -> [String; 2] {
         if let Some(texts) = self.on_each_cable(robot) {
             return [texts.cause, texts.workshop].map(|text| self.instances[0].say(robot, text));
@@ -195,7 +195,7 @@ pub enum ErrorForm {
 }
 
 impl ErrorForm {
-    /// The variable on which it depends; `None` if there are several or none.
+    /// The variable of the function; `None` if there are several or none.
     #[must_use]
     pub fn variable(self) -> Option<Variable> {
         match self {
@@ -208,16 +208,16 @@ impl ErrorForm {
 /// An error of some readings that no effect of the catalogue explains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnmodelledError {
-    /// The readings; no cable if they belong to none, or if those of all cables have the error alike.
+    /// The readings; no cable if they belong to none, or if the readings of all cables have the same error.
     pub readings: ReadingId,
-    /// On what the error depends, and how.
+    /// Form of the error, with the variable that it depends on.
     pub form: ErrorForm,
     /// Root mean square over the readings of the part that the identified values do not take up (m, N or rad); `None` if it was tested
     /// for but not estimated.
     pub rms: Option<f64>,
 }
 
-/// What a finding or one of its alternatives takes to be present.
+/// Subject of a finding or of one of its alternatives.
 #[derive(Debug, Clone)]
 pub enum Subject {
     /// An effect of the catalogue on its targets.
@@ -250,12 +250,12 @@ impl Subject {
     }
 }
 
-/// What may be present instead of the subject of a finding.
+/// Alternative to the subject of a finding.
 #[derive(Debug, Clone)]
 pub struct Alternative {
-    /// What is present.
+    /// Subject of the alternative.
     pub subject: Subject,
-    /// Its posterior probability.
+    /// Posterior probability of the subject.
     pub probability: f64,
 }
 
@@ -277,13 +277,13 @@ pub struct CauseSet {
     pub probability: f64,
 }
 
-/// How certain the name of a finding is.
+/// Certainty about the cause of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// One cause stands out.
     Named,
-    /// The data cannot tell it from its alternatives.
+    /// The data cannot tell the cause from its alternatives.
     Ambiguous,
     /// No effect of the catalogue explains the error.
     Unknown,
@@ -385,28 +385,28 @@ pub struct Separation {
 /// A finding of the diagnosis.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// What was found: a cause with its values in the final model, or an error without one.
+    /// The cause with its values in the final model, or an error without a known cause.
     pub subject: Subject,
     /// Posterior probability of the subject. It and its alternatives exclude each other.
     pub probability: f64,
     /// Description for the user.
     pub sentence: String,
-    /// What to do in the workshop.
+    /// Advice for the workshop.
     pub advice: String,
-    /// What the data cannot tell from it, most probable first.
+    /// Alternatives that the data cannot exclude, most probable first.
     pub alternatives: Vec<Alternative>,
-    /// Its parameters.
+    /// Parameters of the cause.
     pub parameters: Vec<FoundParameter>,
     /// The statistics behind the verdict.
     pub evidence: Evidence,
     /// Gain on held-out poses over the findings before it.
     pub gain: Gain,
-    /// What would tell it from its alternatives.
+    /// Measurements and checks that would tell the subject from its alternatives.
     pub separation: Option<Separation>,
 }
 
 impl Finding {
-    /// How certain the name is.
+    /// Certainty about the cause.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match &self.subject {
@@ -429,8 +429,7 @@ impl Finding {
         subjects.filter_map(Subject::cause)
     }
 
-    /// Whether several causes are possible, which exclude each other. An ambiguous cause without alternatives is probable
-    /// alone.
+    /// Whether the cause is one of several that exclude each other. An ambiguous cause without alternatives is merely probable.
     #[must_use]
     pub fn is_list(&self) -> bool {
         self.verdict() == Verdict::Ambiguous && !self.alternatives.is_empty()
@@ -444,7 +443,7 @@ pub struct SlackCable {
     pub cable: usize,
     /// Labels of the poses.
     pub poses: Vec<i64>,
-    /// By how much the cable was longer there than the distance that it spans, at least and at most (m); `None` where its force
+    /// Smallest and largest excess of the cable's length over the spanned distance at these poses (m); `None` if its force
     /// sensor tells the poses.
     pub excess_m: Option<[f64; 2]>,
     /// Log odds over the causes that explain the readings otherwise.
@@ -452,7 +451,7 @@ pub struct SlackCable {
 }
 
 impl SlackCable {
-    /// Whether it is likelier than other causes, so that its readings are left out.
+    /// Whether a slack cable is likelier than other causes, so that its readings are left out.
     #[must_use]
     pub fn is_left_out(&self) -> bool {
         self.log_odds >= 0.0
@@ -470,12 +469,12 @@ pub struct Invisible {
     pub smallest_visible: Option<f64>,
 }
 
-/// By what the parts of a robot scatter, in units of their tolerances.
+/// Scatter of the parts of a robot, in units of their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ToleranceFactor {
     /// Posterior mean of the factor; 0 for exact parts.
     pub factor: f64,
-    /// Whether the robot states its tolerances; otherwise those of the catalogue are meant.
+    /// Whether the factor refers to tolerances stated for the robot; otherwise to those of the catalogue.
     #[serde(rename = "stated")]
     pub are_stated: bool,
 }
@@ -489,7 +488,7 @@ pub struct UnseenFault {
 }
 
 impl UnseenFault {
-    /// Posterior odds that it is present with at least `factor` times its typical size, against nothing beside what was found.
+    /// Posterior odds that the fault is present with at least `factor` times its typical size, against the findings alone.
     #[must_use]
     pub fn odds_beyond(&self, factor: f64) -> f64 {
         self.sizes.iter().map(|size| size.odds_beyond(factor)).sum()
@@ -504,23 +503,23 @@ impl UnseenFault {
     /// The same before the readings.
     #[must_use]
     pub fn prior_odds_beyond(&self, factor: f64) -> f64 {
-        let all = self.sizes.iter();
-        all.map(|size| size.prior_odds_beyond(factor)).sum()
+        let sizes = self.sizes.iter();
+        sizes.map(|size| size.prior_odds_beyond(factor)).sum()
     }
 }
 
 /// Result of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// Whether the model as supplied explains the data.
+    /// Goodness of fit of the model as supplied.
     pub base: Adequacy,
-    /// Whether the extended model explains the data; equal to `base` without findings.
+    /// Goodness of fit of the extended model; equal to `base` without findings.
     pub extended: Adequacy,
     /// Dependences of the residuals of the model as supplied, strongest first.
     pub discrepancies: Vec<Discrepancy>,
     /// Dependences that remain with the extended model.
     pub remaining: Vec<Discrepancy>,
-    /// How the pulleys are placed otherwise than the description states, if they are.
+    /// Displacement of the pulleys from the drawing, if there is one.
     pub drawing: Option<WrongDrawing>,
     /// A cable that was slack at some poses, or may have been; if that is likelier than not, its readings are left out there.
     pub slack: Option<SlackCable>,
@@ -530,15 +529,15 @@ pub struct Diagnosis {
     pub possible: Vec<PossibleCause>,
     /// The sets of causes that the search compared, most probable first; exchanged channels are undone before.
     pub sets: Vec<CauseSet>,
-    /// Faults that are not among the findings, with what the readings leave of their probability.
+    /// Faults that are not among the findings, with their posterior probabilities.
     pub unseen: Vec<UnseenFault>,
-    /// By what the parts scatter, in units of their tolerances.
+    /// Scatter of the parts, in units of their tolerances.
     pub tolerances: ToleranceFactor,
     /// Noise that differs from the description.
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot reveal.
     pub invisible: Vec<Invisible>,
-    /// Number of effects that the instruments could read, those among them.
+    /// Number of effects that the instruments could reveal, the invisible ones included.
     pub readable: usize,
     /// Number of effects of the model whose values are held, because no reading depends on them or there is nothing to
     /// estimate. They come first in `base_solution`.
@@ -547,6 +546,6 @@ pub struct Diagnosis {
     pub base_solution: Solution,
     /// Solution of the extended model, with all of its effects.
     pub extended_solution: Solution,
-    /// Whether the observer cancelled; the findings until then are reported.
+    /// Whether the observer cancelled the diagnosis; the findings until then are reported.
     pub cancelled: bool,
 }

@@ -48,7 +48,7 @@ pub(crate) struct ResidualSpace {
     blocks: Vec<Block>,
     /// `V^T`, one column per row.
     fitted: DMatrix<f64>,
-    of: Rc<FitConditions>,
+    fit: Rc<FitConditions>,
 }
 
 /// Sums over classes of rows.
@@ -80,7 +80,7 @@ impl ResidualSpace {
         let conditions = Conditions::new(linear, |_| true);
         let residual = DMatrix::from_column_slice(linear.rows.len(), 1, linear.residual.as_slice());
         let described = vec![1.0; conditions.classes.len()];
-        let of = Rc::new(FitConditions {
+        let fit = Rc::new(FitConditions {
             design: conditions.project_rows(&linear.design),
             residual: conditions.project_rows(&residual).column(0).into_owned(),
             conditions,
@@ -88,43 +88,43 @@ impl ResidualSpace {
         let reading = |row: &LinearRow| ReadingId::of(row, linear);
         let readings = linear.rows.iter().map(reading).collect();
         let measured = linear.rows.iter().map(|row| row.row).collect();
-        Self::in_noise(of, &described, (readings, measured))
+        Self::in_noise(fit, &described, (readings, measured))
     }
 
     /// The residuals of the same fit if the readings of each class had another variance, given over the described one in
     /// the order of [`Self::classes`]: the linearised problem is weighted accordingly and solved again.
     pub fn with_variances(&self, variance: &[f64]) -> Self {
         let rows = (self.readings.clone(), self.measured.clone());
-        Self::in_noise(Rc::clone(&self.of), variance, rows)
+        Self::in_noise(Rc::clone(&self.fit), variance, rows)
     }
 
     fn in_noise(
-        of: Rc<FitConditions>,
+        fit: Rc<FitConditions>,
         variance: &[f64],
         (readings, measured): (Vec<Option<ReadingId>>, Vec<Option<usize>>),
     ) -> Self {
-        let noise = of.conditions.noise(variance);
-        let mut design = of.design.clone();
+        let noise = fit.conditions.noise(variance);
+        let mut design = fit.design.clone();
         noise.whiten(&mut design);
-        let mut residual = DMatrix::from_column_slice(design.nrows(), 1, of.residual.as_slice());
+        let mut residual = DMatrix::from_column_slice(design.nrows(), 1, fit.residual.as_slice());
         noise.whiten(&mut residual);
         let projector = Projector::new(&design, &residual.column(0).into_owned());
         let mut space = Self {
             residual: DVector::zeros(readings.len()),
-            blocks: Vec::with_capacity(of.conditions.blocks.len()),
+            blocks: Vec::with_capacity(fit.conditions.blocks.len()),
             fitted: DMatrix::zeros(projector.rank(), readings.len()),
             readings,
             measured,
-            of: Rc::clone(&of),
+            fit: Rc::clone(&fit),
         };
         for (rows, conditions, basis) in noise.bases() {
             let (first, count) = (conditions.start, conditions.len());
-            let own = projector.residual.rows(first, count);
+            let part = projector.residual.rows(first, count);
             let mut to = space.residual.rows_mut(rows.start, rows.len());
-            to.gemv_tr(1.0, &basis, &own, 0.0);
-            let own = projector.basis().rows(first, count);
+            to.gemv_tr(1.0, &basis, &part, 0.0);
+            let part = projector.basis().rows(first, count);
             let mut to = space.fitted.columns_mut(rows.start, rows.len());
-            to.gemm_tr(1.0, &own, &basis, 0.0);
+            to.gemm_tr(1.0, &part, &basis, 0.0);
             space.blocks.push(Block { rows, basis });
         }
         space
@@ -132,7 +132,7 @@ impl ResidualSpace {
 
     /// The classes of readings, each with a variance of its own.
     pub fn classes(&self) -> &[ReadingId] {
-        &self.of.conditions.classes
+        &self.fit.conditions.classes
     }
 
     /// Number of rows.

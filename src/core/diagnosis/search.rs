@@ -80,9 +80,9 @@ pub(super) fn set_of(members: &[Member]) -> CandidateSet {
 pub(super) fn collinear_members(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
     let each = members.iter().zip(leave_one_out(members));
     each.filter_map(|((index, _), others)| {
-        let left = System::extensible_by(gram, &others, *index..=*index)
+        let remaining = System::extensible_by(gram, &others, *index..=*index)
             .remaining_information(gram, *index);
-        (left < COLLINEAR).then_some(*index)
+        (remaining < COLLINEAR).then_some(*index)
     })
     .collect()
 }
@@ -105,14 +105,14 @@ impl<'g, 'l> Search<'g, 'l> {
     }
 
     fn record(&mut self, members: Vec<Member>, log_posterior: f64) {
-        let known = self.evaluated.entry(set_of(&members));
-        let known = known.or_insert_with(|| EvaluatedSet {
+        let entry = self.evaluated.entry(set_of(&members));
+        let entry = entry.or_insert_with(|| EvaluatedSet {
             members: members.clone(),
             log_posterior: f64::NEG_INFINITY,
             over_scales: None,
         });
-        if log_posterior > known.log_posterior {
-            *known = EvaluatedSet {
+        if log_posterior > entry.log_posterior {
+            *entry = EvaluatedSet {
                 members,
                 log_posterior,
                 over_scales: None,
@@ -185,7 +185,7 @@ impl<'g, 'l> Search<'g, 'l> {
         self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
     }
 
-    /// What candidates that a set does not exclude would add to its log posterior, if at least `least`: the largest first.
+    /// Gains in log posterior by adding each candidate that the set does not exclude; those of at least `least`, largest first.
     fn additions(
         &self,
         system: &System,
@@ -193,18 +193,21 @@ impl<'g, 'l> Search<'g, 'l> {
         least: f64,
         is_eligible: impl Fn(usize) -> bool,
     ) -> Vec<(f64, Member)> {
-        let all = self.gram.candidates;
+        let pool = self.gram.candidates;
         let is_allowed = |index: &usize| {
-            let excludes = |m: &Member| all[*index].excludes(&all[m.0]);
+            let excludes = |m: &Member| pool[*index].excludes(&pool[m.0]);
             is_eligible(*index) && !members.iter().any(excludes)
         };
         let gain = |index: usize| {
             let (gain, scale) = system.gain(self.gram, index, least)?;
             (gain >= least).then_some((gain, (index, scale)))
         };
-        let mut found: Vec<_> = (0..all.len()).filter(is_allowed).filter_map(gain).collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        found
+        let mut gains: Vec<_> = (0..pool.len())
+            .filter(is_allowed)
+            .filter_map(gain)
+            .collect();
+        gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        gains
     }
 
     /// Evaluates a set extended by each candidate, discarding extensions far below `best_value`.
@@ -215,11 +218,11 @@ impl<'g, 'l> Search<'g, 'l> {
         }
         let system = System::extensible(self.gram, members);
         let least = best_value - RECORD_WITHIN - system.log_posterior;
-        let found = self.additions(&system, members, least, |_| true);
+        let additions = self.additions(&system, members, least, |_| true);
         // A gain from the prior odds alone means that the readings speak against the candidate.
         let is_evident =
             |(gain, (index, _)): &(f64, Member)| *gain > system.log_odds(self.gram, *index);
-        let evident: Vec<_> = found.into_iter().filter(is_evident).collect();
+        let evident: Vec<_> = additions.into_iter().filter(is_evident).collect();
         for (gain, member) in evident.into_iter().take(MAX_RECORDED) {
             let mut more = members.to_vec();
             more.push(member);
@@ -234,7 +237,7 @@ impl<'g, 'l> Search<'g, 'l> {
     /// Replaces each cause that explains much by the most probable other effect, even if that is clearly worse here,
     /// because the linear comparison may be wrong by a share of what the cause explains.
     pub fn exchange(&mut self, members: &[Member]) {
-        let all = self.gram.candidates;
+        let pool = self.gram.candidates;
         let whole = self.evaluate(members);
         for ((cause, _), mut fewer) in members.iter().zip(leave_one_out(members)) {
             let system = System::extensible(self.gram, &fewer);
@@ -242,7 +245,8 @@ impl<'g, 'l> Search<'g, 'l> {
             if off < RECORD_WITHIN {
                 continue;
             }
-            let is_other = |index: usize| !std::ptr::eq(all[index].effect(), all[*cause].effect());
+            let is_other =
+                |index: usize| !std::ptr::eq(pool[index].effect(), pool[*cause].effect());
             let others = self.additions(&system, &fewer, f64::NEG_INFINITY, is_other);
             let Some((gain, other)) = others.first().copied() else {
                 continue;
@@ -259,16 +263,16 @@ impl<'g, 'l> Search<'g, 'l> {
     /// Replaces each family of the best set by two other causes: one of the most probable replacements, extended by
     /// another cause.
     fn split_families(&mut self) {
-        let all = self.gram.candidates;
+        let pool = self.gram.candidates;
         let Some(members) = self.best().map(|b| b.members.clone()) else {
             return;
         };
         for ((family, _), fewer) in members.iter().zip(leave_one_out(&members)) {
-            if !all[*family].is_family() {
+            if !pool[*family].is_family() {
                 continue;
             }
             let system = System::extensible(self.gram, &fewer);
-            let is_single = |index: usize| !all[index].is_event() && !all[index].is_family();
+            let is_single = |index: usize| !pool[index].is_event() && !pool[index].is_family();
             let instead = self.additions(&system, &fewer, f64::NEG_INFINITY, is_single);
             for (_, member) in instead.into_iter().take(MAX_REPLACEMENTS) {
                 let mut instead = fewer.clone();
@@ -282,13 +286,13 @@ impl<'g, 'l> Search<'g, 'l> {
 
     /// Replaces each family of the best sets by single causes on its cables, added one by one in order of their gain.
     fn reduce_families(&mut self) {
-        let all = self.gram.candidates;
-        let Some(best) = self.best().map(|b| b.log_posterior) else {
+        let pool = self.gram.candidates;
+        let Some(top) = self.best().map(|b| b.log_posterior) else {
             return;
         };
         let has_family = |evaluated: &&EvaluatedSet| {
             let mut members = evaluated.members.iter();
-            evaluated.log_posterior >= best - EXTEND_WITHIN && members.any(|m| all[m.0].is_family())
+            evaluated.log_posterior >= top - EXTEND_WITHIN && members.any(|m| pool[m.0].is_family())
         };
         let mut sets: Vec<EvaluatedSet> = self
             .evaluated
@@ -306,17 +310,17 @@ impl<'g, 'l> Search<'g, 'l> {
     }
 
     fn reduce_families_of(&mut self, members: &[Member]) {
-        let all = self.gram.candidates;
+        let pool = self.gram.candidates;
         for ((family, _), mut fewer) in members.iter().zip(leave_one_out(members)) {
-            let family = &all[*family];
+            let family = &pool[*family];
             if !family.is_family() {
                 continue;
             }
             let is_member = |index: &usize| {
-                let candidate = &all[*index];
+                let candidate = &pool[*index];
                 candidate.is_single() && std::ptr::eq(candidate.effect(), family.effect())
             };
-            let mut open: Vec<usize> = (0..all.len()).filter(is_member).collect();
+            let mut open: Vec<usize> = (0..pool.len()).filter(is_member).collect();
             while open.len() > 1 && fewer.len() < self.most {
                 let range = open[0]..=open[open.len() - 1];
                 let system = System::extensible_by(self.gram, &fewer, range);
@@ -348,9 +352,9 @@ impl<'g, 'l> Search<'g, 'l> {
     /// Starts with all families and effects of the robot together, and drops the least needed until all that remain are
     /// needed.
     pub fn prune_from_all(&mut self) {
-        let all = self.gram.candidates;
+        let pool = self.gram.candidates;
         let wide = |index: &usize| {
-            let candidate = &all[*index];
+            let candidate = &pool[*index];
             let seen = self.gram.scores[*index].information.trace() > 0.0;
             let targeted = candidate.cause.instances.iter().any(|b| b.targeted);
             let direct = candidate
@@ -360,27 +364,27 @@ impl<'g, 'l> Search<'g, 'l> {
             seen && direct && (candidate.is_family() || !targeted)
         };
         let mut members: Vec<Member> = Vec::new();
-        for index in (0..all.len()).filter(wide) {
+        for index in (0..pool.len()).filter(wide) {
             // A family includes the common value, so it takes precedence.
-            members.retain(|m| !(all[index].is_family() && all[index].excludes(&all[m.0])));
-            if members.iter().all(|m| !all[index].excludes(&all[m.0])) {
-                members.push((index, all[index].scales.len().min(2) - 1));
+            members.retain(|m| !(pool[index].is_family() && pool[index].excludes(&pool[m.0])));
+            if members.iter().all(|m| !pool[index].excludes(&pool[m.0])) {
+                members.push((index, pool[index].scales.len().min(2) - 1));
             }
         }
         let system = System::new(self.gram, &members);
         let mut covariance = system.covariance();
         let mut estimate = system.estimate;
         while members.len() > 1 {
-            let mut at = 0;
+            let mut end = 0;
             let mut least: Option<(f64, usize, std::ops::Range<usize>)> = None;
             for (place, (index, scale)) in members.iter().enumerate() {
-                let candidate = &all[*index];
+                let candidate = &pool[*index];
                 let count = candidate.columns.len();
-                let own = covariance.view((at, at), (count, count)).into_owned();
-                let mean = estimate.rows(at, count);
+                let block = covariance.view((end, end), (count, count)).into_owned();
+                let mean = estimate.rows(end, count);
                 let prior = &candidate.prior * candidate.scales[*scale].0;
                 let log_prior_sd: f64 = prior.diagonal().map(f64::ln).sum();
-                let Some(factor) = own.cholesky() else {
+                let Some(factor) = block.cholesky() else {
                     return;
                 };
                 let log_sd: f64 = factor.l_dirty().diagonal().map(f64::ln).sum();
@@ -389,9 +393,9 @@ impl<'g, 'l> Search<'g, 'l> {
                     + candidate.log_odds
                     + candidate.scales[*scale].1;
                 if least.as_ref().is_none_or(|l| worth < l.0) {
-                    least = Some((worth, place, at..at + count));
+                    least = Some((worth, place, end..end + count));
                 }
-                at += count;
+                end += count;
             }
             let Some((worth, place, range)) = least else {
                 return;
@@ -399,7 +403,7 @@ impl<'g, 'l> Search<'g, 'l> {
             if worth >= 0.0 {
                 break;
             }
-            let kept: Vec<usize> = (0..at).filter(|k| !range.contains(k)).collect();
+            let kept: Vec<usize> = (0..end).filter(|k| !range.contains(k)).collect();
             let dropped: Vec<usize> = range.collect();
             let inner = covariance.select_rows(&dropped).select_columns(&dropped);
             let cross = covariance.select_rows(&kept).select_columns(&dropped);

@@ -72,9 +72,9 @@ pub fn expected_separation(
     let fits: Result<Vec<Fit<'_>>, _> = sets.iter().map(|set| Fit::new(&problem, set)).collect();
     let fits = fits?;
     let towards = |one: usize, other: usize| {
-        let found = candidates((&fits[one], &fits[other]), Some(poses))?;
+        let candidates = candidates((&fits[one], &fits[other]), Some(poses))?;
         let information = &fits[other].solution.information;
-        let each = found.iter();
+        let each = candidates.iter();
         let each = each.map(|candidate| expected_difference(&[candidate], 1.0, information));
         Some(each.collect::<Vec<f64>>())
     };
@@ -132,7 +132,7 @@ fn candidates(
     };
     solution.globals.home_tension_error_n = fitted.globals.home_tension_error_n;
     let linear = Linearisation::new(&problem, &solution);
-    let of = |block: &crate::estimation::PoseBlock| {
+    let candidate = |block: &crate::estimation::PoseBlock| {
         let (first, count) = (block.rows.start, block.rows.len());
         CandidatePose {
             pose: poses[block.row],
@@ -143,7 +143,7 @@ fn candidates(
     let wanted = given.map_or(linear.poses.len(), <[Pose]>::len);
     // Poses that only fill the time until the last event come first.
     let before = linear.poses.len().checked_sub(wanted)?;
-    Some(linear.poses[before..].iter().map(of).collect())
+    Some(linear.poses[before..].iter().map(candidate).collect())
 }
 
 /// Noise-free readings of a fit at further poses, for the instruments that its data have, and the poses.
@@ -179,18 +179,18 @@ fn predicted_readings(fit: &Fit<'_>, given: Option<&[Pose]>) -> Option<(Measurem
 /// Range of tensions of the data.
 fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
     let dataset = fit.problem.dataset;
-    let mut all = Vec::new();
+    let mut tensions = Vec::new();
     for row in 0..dataset.measurements.len() {
         for (index, cable) in dataset.robot.cables.iter().enumerate() {
             let read = dataset.measurements.force_n.get(row, index);
-            all.extend(cable.force_sensor.map(|sensor| sensor.tension_n(read)));
+            tensions.extend(cable.force_sensor.map(|sensor| sensor.tension_n(read)));
         }
     }
-    all.retain(|tension| *tension > 0.0);
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    let largest = all.iter().copied().fold(0.0, f64::max);
-    (!all.is_empty()).then(|| TensionRange {
-        lower_n: all.iter().copied().fold(mean, f64::min) / 2.0,
+    tensions.retain(|tension| *tension > 0.0);
+    let mean = tensions.iter().sum::<f64>() / tensions.len() as f64;
+    let largest = tensions.iter().copied().fold(0.0, f64::max);
+    (!tensions.is_empty()).then(|| TensionRange {
+        lower_n: tensions.iter().copied().fold(mean, f64::min) / 2.0,
         reference_n: mean,
         upper_n: 2.0 * largest,
     })

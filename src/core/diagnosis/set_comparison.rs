@@ -1,5 +1,5 @@
-//! Selects the sets of one linearisation that deserve a full nonlinear fit, and corrects the others by what those fits
-//! show.
+//! Selects the sets of one linearisation that deserve a full nonlinear fit, and corrects the evidence of the others by the
+//! results of those fits.
 //!
 //! The linear comparison of sets is exact near the fit at which it is made. The larger a cause, the more a full fit
 //! changes the evidence of a set in which another cause replaces it. The change found for one set is applied to the
@@ -18,7 +18,7 @@ struct ComparedSet {
     causes: Vec<Cause>,
     /// Log evidence and prior from the linear comparison.
     linear: f64,
-    /// What the full fit adds to it; minus infinity if the fit is impossible, `None` if there was none.
+    /// Correction of `linear` by the full fit; minus infinity if the fit is impossible, `None` without a full fit.
     change: Option<f64>,
 }
 
@@ -29,36 +29,36 @@ pub(super) struct SetComparison {
 }
 
 impl SetComparison {
-    /// Compares the ranking found at a fit. `known` has sets whose evidence at their own fits is known, the present one
+    /// Compares the ranking found at a fit. `fitted` has sets whose evidence at their own fits is known, the present one
     /// last.
     pub fn new(
-        at: &LinearFit<'_, '_>,
+        linear_fit: &LinearFit<'_, '_>,
         ranking: Vec<(Vec<Member>, f64)>,
-        known: &[(Vec<Cause>, f64)],
+        fitted: &[(Vec<Cause>, f64)],
     ) -> Self {
-        let candidates = &at.catalogue.candidates;
-        let own = |causes: &[Cause]| {
-            let mut same = known.iter().rev().filter(|(k, _)| is_same_set(k, causes));
+        let candidates = &linear_fit.catalogue.candidates;
+        let own_evidence = |causes: &[Cause]| {
+            let mut same = fitted.iter().rev().filter(|(k, _)| is_same_set(k, causes));
             same.next().map(|(_, value)| *value)
         };
-        let here = |members: &[Member]| {
-            members.len() == at.present.len()
+        let is_present = |members: &[Member]| {
+            members.len() == linear_fit.present.len()
                 && members
                     .iter()
-                    .all(|m| at.present.iter().any(|p| p.0 == m.0))
+                    .all(|m| linear_fit.present.iter().any(|p| p.0 == m.0))
         };
         let linear = ranking
             .iter()
-            .find(|(members, _)| here(members))
+            .find(|(members, _)| is_present(members))
             .map(|(_, value)| *value);
         let offset = linear
-            .zip(known.last())
-            .map_or(0.0, |(linear, (_, own))| own - linear);
+            .zip(fitted.last())
+            .map_or(0.0, |(linear, (_, own_evidence))| own_evidence - linear);
         let sets = ranking.into_iter().map(|(members, linear)| {
             let causes: Vec<Cause> = members.iter().map(|m| candidates[m.0].placed()).collect();
             let linear = linear + offset;
             ComparedSet {
-                change: own(&causes).map(|own| own - linear),
+                change: own_evidence(&causes).map(|value| value - linear),
                 members,
                 causes,
                 linear,
@@ -70,17 +70,17 @@ impl SetComparison {
         }
     }
 
-    pub fn members(&self, place: usize) -> &[Member] {
-        &self.sets[place].members
+    pub fn members(&self, index: usize) -> &[Member] {
+        &self.sets[index].members
     }
 
-    pub fn causes(&self, place: usize) -> &[Cause] {
-        &self.sets[place].causes
+    pub fn causes(&self, index: usize) -> &[Cause] {
+        &self.sets[index].causes
     }
 
-    pub fn is_best(&self, place: usize) -> bool {
+    pub fn is_best(&self, index: usize) -> bool {
         let values = self.values();
-        values.iter().all(|value| *value <= values[place])
+        values.iter().all(|value| *value <= values[index])
     }
 
     /// Selects the next set to fit: the most probable one, then for each cause of the best set the most probable set
@@ -92,8 +92,8 @@ impl SetComparison {
         let values = self.values();
         let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
         let unfitted = |k: &usize| self.sets[*k].change.is_none();
-        let likeliest = |of: &dyn Fn(&usize) -> bool| {
-            let places = (0..values.len()).filter(|k| of(k));
+        let likeliest = |condition: &dyn Fn(&usize) -> bool| {
+            let places = (0..values.len()).filter(|k| condition(k));
             places.max_by(|a, b| values[*a].total_cmp(&values[*b]))
         };
         let near = likeliest(&unfitted).filter(|k| values[*k] >= values[best] - FIT_WITHIN);
@@ -117,9 +117,9 @@ impl SetComparison {
     }
 
     /// Records the evidence of a set at its own fit, minus infinity if it is impossible, and the causes as fitted there.
-    pub fn record_fit(&mut self, place: usize, own: f64, causes: &[Cause]) {
-        let set = &mut self.sets[place];
-        set.change = Some(own - set.linear);
+    pub fn record_fit(&mut self, index: usize, log_evidence: f64, causes: &[Cause]) {
+        let set = &mut self.sets[index];
+        set.change = Some(log_evidence - set.linear);
         set.causes = causes.to_vec();
         self.fits += 1;
     }
@@ -164,8 +164,8 @@ impl SetComparison {
     /// Mean change by full fits of the most similar sets.
     fn change(&self, set: &ComparedSet) -> f64 {
         let lacks = |one: &ComparedSet, other: &ComparedSet| {
-            let all = |m: &&Member| other.members.iter().all(|o| o.0 != m.0);
-            one.members.iter().filter(all).count()
+            let is_absent = |m: &&Member| other.members.iter().all(|o| o.0 != m.0);
+            one.members.iter().filter(is_absent).count()
         };
         let fitted = self.sets.iter().filter_map(|other| {
             let change = other.change.filter(|change| change.is_finite())?;

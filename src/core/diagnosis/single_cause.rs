@@ -1,4 +1,4 @@
-//! One effect by itself, without rivals: where and at which size it would explain the readings best.
+//! One effect without rivals: the target, pose or period and size at which it would explain the readings best.
 
 use super::evidence::{Member, best_scale};
 use super::fit::Fit;
@@ -37,32 +37,32 @@ pub fn single_causes(
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
-    let at = LinearFit::new(&fit, true);
-    let mut gram = at.gram(&at.linear.described(AS_STATED));
-    let mut found: Vec<(Member, f64)> = Vec::new();
+    let linear_fit = LinearFit::new(&fit, true);
+    let mut gram = linear_fit.gram(&linear_fit.linear.described(AS_STATED));
+    let mut ranked: Vec<(Member, f64)> = Vec::new();
     for index in 0..gram.candidates.len() {
         let candidate = &gram.candidates[index];
         if !std::ptr::eq(candidate.effect(), effect) || candidate.is_family() {
             continue;
         }
-        let own = gram.scores[index].in_prior_units(candidate);
-        let Some((evidence, scale)) = best_scale(candidate, &own, f64::NEG_INFINITY) else {
+        let score = gram.scores[index].in_prior_units(candidate);
+        let Some((evidence, scale)) = best_scale(candidate, &score, f64::NEG_INFINITY) else {
             continue;
         };
         let log_odds = evidence + candidate.log_odds;
-        let is_there = |((known, _), _): &&mut (Member, f64)| {
-            is_same_effect_and_targets(&gram.candidates[*known].cause, &candidate.cause)
+        let is_there = |((entry, _), _): &&mut (Member, f64)| {
+            is_same_effect_and_targets(&gram.candidates[*entry].cause, &candidate.cause)
         };
-        match found.iter_mut().find(is_there) {
-            Some(known) if known.1 < log_odds => *known = ((index, scale), log_odds),
+        match ranked.iter_mut().find(is_there) {
+            Some(entry) if entry.1 < log_odds => *entry = ((index, scale), log_odds),
             Some(_) => {}
-            None => found.push(((index, scale), log_odds)),
+            None => ranked.push(((index, scale), log_odds)),
         }
     }
-    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let cause = |(member, log_odds)| {
-        let cause = at.causes_of(&mut gram, &[member]).pop()?;
+        let cause = linear_fit.causes_of(&mut gram, &[member]).pop()?;
         Some(SingleCause { cause, log_odds })
     };
-    Ok(found.into_iter().filter_map(cause).collect())
+    Ok(ranked.into_iter().filter_map(cause).collect())
 }

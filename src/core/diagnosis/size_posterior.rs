@@ -1,4 +1,4 @@
-//! What the readings say of the size of a fault.
+//! Posterior distribution of the size of a fault.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,7 +6,7 @@ use super::budget::{NEGLIGIBLE_ODDS, UNSEEN_POINTS};
 use super::normal_points::normal_points;
 use crate::statistics::{chi_square_survival, normal_cdf};
 
-/// Posterior of the coordinates of a candidate at one scale, in units of its prior there.
+/// Posterior of the coordinates of a candidate at one scale, in units of the prior at that scale.
 #[derive(Debug, Clone)]
 pub(super) struct SizePosterior {
     /// Prior and posterior odds of any size.

@@ -1,15 +1,15 @@
-//! A slack cable as a regime: at some poses one cable is longer than the distance that it spans by amounts that nothing determines.
+//! A slack cable as a regime: at some poses one cable is longer than the distance that it spans, by undetermined amounts.
 //!
-//! A force sensor of the cable reads nothing there, to within its noise, so that the poses are known. Without a sensor they are found
-//! one by one, each the one that relieves the fit most, as long as readings are too long. The length, and the force, are left out at
-//! these poses. With `k` of `m` poses the log evidence is, beside `-chi^2/2` of the fit without these readings,
+//! A force sensor of the cable reads zero there, to within its noise, so that the poses are known. Without a sensor they are
+//! found one by one, each the one that reduces chi-square most, as long as readings are too long. The length, and the force,
+//! are left out at these poses. With `k` of `m` poses the log evidence is, beside `-chi^2/2` of the fit without these readings,
 //!
 //! ```text
 //! log(p/n) + log P(k of m) - sum over poses of log(A / (sqrt(2 pi) s))
 //! ```
 //!
-//! for the probability `p` that one of `n` cables gets slack, and amounts that are as probable up to `A`, while their readings have the
-//! standard deviation `s`. Where a sensor tells the poses, the second term is missing.
+//! for the probability `p` that one of `n` cables gets slack, and amounts that are equally probable up to `A`, while their
+//! readings have the standard deviation `s`. If a sensor tells the poses, the second term is omitted.
 
 use std::f64::consts::TAU;
 
@@ -28,7 +28,7 @@ use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use crate::statistics::log_sum;
 
-/// A slack cable with what is left when its readings are left out.
+/// A slack cable, and the dataset without its readings at the slack poses.
 pub(super) struct WithoutSlack {
     pub slack: SlackCable,
     pub dataset: Dataset,
@@ -44,9 +44,9 @@ struct TooLong {
     relief: f64,
 }
 
-/// What a slack cable has to be better than.
+/// Explanation without a slack cable, which a slack cable has to surpass.
 pub(super) struct Rival {
-    /// Log evidence below which nothing is said.
+    /// Log evidence that a slack cable must exceed to be reported.
     pub least: f64,
     /// Chi-square that readings without misfit leave, as far as it is known.
     pub chi2: f64,
@@ -67,19 +67,19 @@ pub(super) fn find_slack(
         let sensor = dataset.robot.cables[*cable].force_sensor;
         !dataset.measurements.force_n.is_empty() && sensor.is_some()
     };
-    let all = 0..dataset.robot.cable_count();
-    let (read, mut unread): (Vec<usize>, Vec<usize>) = all.partition(is_read);
+    let cables = 0..dataset.robot.cable_count();
+    let (read, mut unread): (Vec<usize>, Vec<usize>) = cables.partition(is_read);
     let relief = |cable: &usize| -> f64 {
-        let found = too_long(&fit, dataset, *cable);
-        found.iter().map(|one| one.relief).sum()
+        let readings = too_long(&fit, dataset, *cable);
+        readings.iter().map(|one| one.relief).sum()
     };
     unread.sort_by(|a, b| relief(b).total_cmp(&relief(a)));
     unread.truncate(MAX_SLACK_CABLES);
     let mut best: Option<WithoutSlack> = None;
     for cable in read.into_iter().chain(unread) {
-        let found = slack_of(dataset, cable, rival, go_on)?;
+        let slack = slack_of(dataset, cable, rival, go_on)?;
         let least = best.as_ref().map_or(rival.least, |best| best.log_evidence);
-        best = found.filter(|found| found.log_evidence > least).or(best);
+        best = slack.filter(|slack| slack.log_evidence > least).or(best);
     }
     Ok(best)
 }
@@ -98,7 +98,7 @@ fn slack_of(
         .collect();
     let is_read = !data.force_n.is_empty() && dataset.robot.cables[cable].force_sensor.is_some();
     let log_prior = (SLACK_CABLE / dataset.robot.cable_count() as f64).ln();
-    let without = |left: Dataset, rows: &[usize], excess_m, log_evidence| {
+    let without = |dataset: Dataset, rows: &[usize], excess_m, log_evidence| {
         let mut poses: Vec<i64> = rows.iter().map(|row| data.labels[*row]).collect();
         poses.sort_unstable();
         WithoutSlack {
@@ -108,7 +108,7 @@ fn slack_of(
                 excess_m,
                 log_odds: 0.0,
             },
-            dataset: left,
+            dataset,
             log_evidence,
         }
     };
@@ -117,19 +117,19 @@ fn slack_of(
         let sd_m = sd_m * rival.variance.sqrt();
         (largest_m / (TAU.sqrt() * sd_m)).ln().max(0.0)
     };
-    let mut left = dataset.clone();
+    let mut kept = dataset.clone();
     if is_read {
         if possible.is_empty() || possible.len() > most {
             return Ok(None);
         }
         for row in &possible {
-            leave_out(&mut left, *row, cable);
+            leave_out(&mut kept, *row, cable);
         }
         let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
-        let chi2 = chi2_without_causes(&left)?;
+        let chi2 = chi2_without_causes(&kept)?;
         let log_evidence =
             log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2 / rival.variance;
-        return Ok(Some(without(left, &possible, None, log_evidence)));
+        return Ok(Some(without(kept, &possible, None, log_evidence)));
     }
     let mut rows: Vec<usize> = Vec::new();
     let mut excess_m = [f64::INFINITY, 0.0];
@@ -140,17 +140,17 @@ fn slack_of(
         log_prior - cost - 0.5 * (rival.chi2 / rival.variance - count as f64) > rival.least
     };
     while rows.len() <= most && may_win(cost, rows.len()) && go_on() {
-        let problem = problem_at_fitted_poses(&left)?;
+        let problem = problem_at_fitted_poses(&kept)?;
         let fit = Fit::new(&problem, &[])?;
         let log_evidence = log_prior + log_share_of(&rows, &possible)
             - cost
             - 0.5 * fit.solution.chi2 / rival.variance;
         let is_better = (best.as_ref()).is_none_or(|best| log_evidence > best.log_evidence);
         if !rows.is_empty() && is_better {
-            best = Some(without(left.clone(), &rows, Some(excess_m), log_evidence));
+            best = Some(without(kept.clone(), &rows, Some(excess_m), log_evidence));
         }
         let order = |a: &TooLong, b: &TooLong| a.relief.total_cmp(&b.relief);
-        let Some(next) = too_long(&fit, &left, cable).into_iter().max_by(order) else {
+        let Some(next) = too_long(&fit, &kept, cable).into_iter().max_by(order) else {
             break;
         };
         rows.push(next.row);
@@ -159,20 +159,20 @@ fn slack_of(
             excess_m[1].max(next.excess_m),
         ];
         cost += price(next.sd_m);
-        leave_out(&mut left, next.row, cable);
+        leave_out(&mut kept, next.row, cable);
     }
     Ok(best)
 }
 
-/// Log probability of a set of slack poses among those possible: with equal odds an unknown share of poses, whichever, or an unknown
-/// number of runs of successive poses, which lie close together as the region of low tension does.
+/// Log probability of a set of slack poses among those possible: with equal odds any set with an unknown share of the poses, or
+/// an unknown number of runs of successive poses, which lie close together as the region of low tension does.
 fn log_share_of(rows: &[usize], possible: &[usize]) -> f64 {
-    let all = possible.len() as u64;
+    let size = possible.len() as u64;
     let is_slack = |row: &usize| rows.contains(row);
     let starts = (0..possible.len())
         .filter(|k| is_slack(&possible[*k]) && (*k == 0 || !is_slack(&possible[*k - 1])));
-    let whichever = -((all + 1) as f64).ln() - ln_binomial(all, rows.len() as u64);
-    let in_runs = -((all / 2 + 1) as f64).ln() - ln_binomial(all + 1, 2 * starts.count() as u64);
+    let whichever = -((size + 1) as f64).ln() - ln_binomial(size, rows.len() as u64);
+    let in_runs = -((size / 2 + 1) as f64).ln() - ln_binomial(size + 1, 2 * starts.count() as u64);
     log_sum([whichever, in_runs].into_iter()) - std::f64::consts::LN_2
 }
 
@@ -227,14 +227,14 @@ fn largest_slack_m(dataset: &Dataset) -> f64 {
 
 /// The dataset without the readings of some cables, but those at home.
 pub(super) fn without_cables(dataset: &Dataset, cables: &[usize]) -> Dataset {
-    let mut left = dataset.clone();
+    let mut reduced = dataset.clone();
     let home = dataset.robot.home.and(dataset.measurements.home_row());
     for row in (0..dataset.measurements.len()).filter(|row| Some(*row) != home) {
         cables
             .iter()
-            .for_each(|cable| leave_out(&mut left, row, *cable));
+            .for_each(|cable| leave_out(&mut reduced, row, *cable));
     }
-    left
+    reduced
 }
 
 fn leave_out(dataset: &mut Dataset, row: usize, cable: usize) {

@@ -31,7 +31,7 @@ use crate::statistics::log_sum;
 /// An error of a given form in some readings.
 #[derive(Debug, Clone)]
 pub(super) struct StructuredError {
-    /// The readings; no cable if all cables have the error alike.
+    /// The readings; no cable if the readings of all cables have the same error.
     pub id: ReadingId,
     pub form: ErrorForm,
     /// Log posterior odds.
@@ -81,10 +81,10 @@ impl<'l> ErrorSearch<'l> {
         let mut sets: Vec<(ReadingId, Vec<usize>)> = Vec::new();
         for (class, id) in classes.iter().enumerate() {
             sets.push((*id, vec![class]));
-            let all = ReadingId { cable: None, ..*id };
-            match sets.iter_mut().find(|(id, _)| *id == all) {
+            let common = ReadingId { cable: None, ..*id };
+            match sets.iter_mut().find(|(id, _)| *id == common) {
                 Some((_, set)) if id.cable.is_some() => set.push(class),
-                None => sets.push((all, vec![class])),
+                None => sets.push((common, vec![class])),
                 _ => {}
             }
         }
@@ -126,14 +126,14 @@ impl<'l> ErrorSearch<'l> {
         let exact = ranked.best.into_iter().filter_map(|scored| {
             let structure = self.columns(&scored, |family| &family.unexpressed);
             let with = log_density(&concatenate_columns(&[columns, &structure]));
-            let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
-            if with - none.log_density + all < least {
+            let offset = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
+            if with - none.log_density + offset < least {
                 return None;
             }
             // A constant error alone is no evidence, because effects of the catalogue express it.
             let constant = concatenate_columns(&[columns, &structure.columns(0, 1).into_owned()]);
             let without = log_density(&constant);
-            let log_odds = with - without.max(none.log_density) + all;
+            let log_odds = with - without.max(none.log_density) + offset;
             let rms = || self.rms(&none, &scored, |family| &family.unexpressed);
             (log_odds >= least).then(|| self.structure(&scored, (log_odds, rms()), structure))
         });
@@ -148,15 +148,15 @@ impl<'l> ErrorSearch<'l> {
         amplitude: &[usize],
         is_eligible: impl Fn(&ReadingId) -> bool,
     ) -> Option<StructuredError> {
-        let at = self.with_amplitudes(amplitude, columns);
-        let ranked = self.ranked(&at, is_eligible, |family| &family.functions, false);
+        let none = self.with_amplitudes(amplitude, columns);
+        let ranked = self.ranked(&none, is_eligible, |family| &family.functions, false);
         let exact = ranked.best.into_iter().map(|scored| {
             let structure = self.columns(&scored, |family| &family.functions);
             let with_columns = concatenate_columns(&[columns, &structure]);
-            let with = self.linear.refined(&at.hyper, &with_columns).log_density;
-            let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
-            let rms = self.rms(&at, &scored, |family| &family.functions);
-            self.structure(&scored, (with + all, rms), structure)
+            let with = self.linear.refined(&none.hyper, &with_columns).log_density;
+            let offset = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
+            let rms = self.rms(&none, &scored, |family| &family.functions);
+            self.structure(&scored, (with + offset, rms), structure)
         });
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
     }
@@ -193,23 +193,24 @@ impl<'l> ErrorSearch<'l> {
     }
 
     /// Root mean square over the readings (SI units) of the part of an error `c` that the identified values do not take up, with the
-    /// posterior mean `c = (K + 1/s^2)^-1 b`: `c^T K c` is its chi-square.
+    /// posterior mean `c = (K + 1/s^2)^-1 b`: its chi-square is `c^T K c = c^T b - c^T c / s^2`.
     fn rms(
         &self,
-        at: &Estimate<'_>,
+        fit: &Estimate<'_>,
         scored: &ScoredFamily,
         functions: impl Fn(&FunctionFamily) -> &DMatrix<f64>,
     ) -> f64 {
         let target = &self.targets[scored.target];
         let functions = with_constant(functions(self.family(scored)), &target.poses);
-        let (score, information) = ReadingErrors::new(&at.base, &target.classes).of(&functions);
-        let mut with_prior = information.clone();
+        let (score, mut information) =
+            ReadingErrors::new(&fit.base, &target.classes).of(&functions);
+        let of_prior = scored.size.powi(-2);
         for k in 0..score.len() {
-            with_prior[(k, k)] += scored.size.powi(-2);
+            information[(k, k)] += of_prior;
         }
-        let mean = with_prior.cholesky().map(|factor| factor.solve(&score));
-        let chi2 = mean.map_or(0.0, |mean| mean.dot(&(information * &mean)));
-        let variances = target.classes.iter().map(|k| at.hyper.variance[*k]);
+        let mean = information.cholesky().map(|factor| factor.solve(&score));
+        let chi2 = mean.map_or(0.0, |mean| mean.dot(&score) - of_prior * mean.norm_squared());
+        let variances = target.classes.iter().map(|k| fit.hyper.variance[*k]);
         let classes = target.classes.len() as f64;
         let variance = variances.sum::<f64>() / classes;
         target.sd * (variance * chi2 / (classes * target.poses.len() as f64)).sqrt()
@@ -230,20 +231,20 @@ impl<'l> ErrorSearch<'l> {
         columns
     }
 
-    /// Scores the families of the eligible targets and keeps the best of each target. With `beyond`, only what exceeds
-    /// the explanation by a constant alone counts.
+    /// Scores the families of the eligible targets and keeps the best of each target. With `beyond`, the part that a constant
+    /// alone explains does not count.
     fn ranked(
         &self,
-        at: &Estimate<'_>,
+        fit: &Estimate<'_>,
         is_eligible: impl Fn(&ReadingId) -> bool,
         functions: impl Fn(&FunctionFamily) -> &DMatrix<f64>,
         beyond: bool,
     ) -> RankedFamilies {
-        let (base, variance) = (&at.base, &at.hyper.variance);
+        let (base, variance) = (&fit.base, &fit.hyper.variance);
         let sums = base.noise.class_sums(&base.residual, &base.eliminated);
         let size_prior = -(ERROR_SIZES.len() as f64).ln();
         let mut best: Vec<ScoredFamily> = Vec::new();
-        let mut all: Vec<f64> = Vec::new();
+        let mut scores: Vec<f64> = Vec::new();
         for (number, target) in self.targets.iter().enumerate() {
             if !is_eligible(&target.id) {
                 continue;
@@ -253,33 +254,33 @@ impl<'l> ErrorSearch<'l> {
             let squares = squares.sum::<f64>() + CABLE_VARIANCE_WEIGHT;
             let freedom =
                 target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + CABLE_VARIANCE_WEIGHT;
-            let mut own: Option<(f64, ScoredFamily)> = None;
+            let mut strongest: Option<(f64, ScoredFamily)> = None;
             for (index, family) in target.families.iter().enumerate() {
                 let functions = with_constant(functions(family), &target.poses);
                 for (size, gain, price) in evidence(&errors, &functions, beyond) {
                     // The noise will be estimated again, so the logarithm of the remaining squares counts, not the
                     // gain.
-                    let left = (1.0 - gain / squares).max(f64::MIN_POSITIVE);
-                    let of = |left: f64| {
-                        -0.5 * (freedom * left.ln() + price) + family.log_prior + size_prior
+                    let rest = (1.0 - gain / squares).max(f64::MIN_POSITIVE);
+                    let weigh = |rest: f64| {
+                        -0.5 * (freedom * rest.ln() + price) + family.log_prior + size_prior
                     };
-                    let (value, log_odds) = (of(left), of(left.max(MIN_SHARE_LEFT)));
-                    all.push(log_odds);
-                    if own.is_none_or(|(best, _)| value > best) {
+                    let (value, log_odds) = (weigh(rest), weigh(rest.max(MIN_SHARE_LEFT)));
+                    scores.push(log_odds);
+                    if strongest.is_none_or(|(best, _)| value > best) {
                         let scored = ScoredFamily {
                             target: number,
                             family: index,
                             size,
                             log_odds,
                         };
-                        own = Some((value, scored));
+                        strongest = Some((value, scored));
                     }
                 }
             }
-            best.extend(own.map(|(_, scored)| scored));
+            best.extend(strongest.map(|(_, scored)| scored));
         }
         best.sort_by(|a, b| b.log_odds.total_cmp(&a.log_odds));
-        let log_odds = log_sum(all.into_iter());
+        let log_odds = log_sum(scores.into_iter());
         best.truncate(if log_odds > COMPARE_ABOVE {
             MAX_COMPARED
         } else {
@@ -289,7 +290,7 @@ impl<'l> ErrorSearch<'l> {
     }
 }
 
-/// Whether the robot has only one reading of the kind at a pose.
+/// Whether the reading belongs to the robot or an instrument rather than to one of its cables.
 fn is_single(id: &ReadingId) -> bool {
     !matches!(
         id.quantity,
@@ -299,11 +300,11 @@ fn is_single(id: &ReadingId) -> bool {
 
 /// Prepends a constant at some poses to functions.
 fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
-    let mut all = functions.clone().insert_column(0, 0.0);
+    let mut extended = functions.clone().insert_column(0, 0.0);
     for pose in poses {
-        all[(*pose, 0)] = 1.0;
+        extended[(*pose, 0)] = 1.0;
     }
-    all
+    extended
 }
 
 /// Chi-square explained by functions, with the log determinant that penalises it, for each size; with `beyond`, the
@@ -320,18 +321,18 @@ fn evidence(
     let of_first = (information[(0, 0)], score[0]);
     let eigen = SymmetricEigen::new(information);
     let along = eigen.eigenvectors.tr_mul(&score);
-    let of = |size: &f64| {
+    let at_size = |size: &f64| {
         let square = size * size;
         let term = |(value, along): (f64, f64)| {
             let spread = 1.0 + square * value.max(0.0);
             (square * along * along / spread, spread.ln())
         };
-        let own = if beyond { term(of_first) } else { (0.0, 0.0) };
+        let constant = if beyond { term(of_first) } else { (0.0, 0.0) };
         let pairs = eigen.eigenvalues.iter().copied().zip(along.iter().copied());
         let (gain, price) = pairs
             .map(term)
             .fold((0.0, 0.0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
-        (*size, gain - own.0, price - own.1)
+        (*size, gain - constant.0, price - constant.1)
     };
-    ERROR_SIZES.iter().map(of).collect()
+    ERROR_SIZES.iter().map(at_size).collect()
 }

@@ -35,7 +35,7 @@ pub(super) struct UnmodelledErrors {
 }
 
 impl UnmodelledErrors {
-    /// Compares errors with the causes of a fit; `None` if `go_on`, which is asked before each comparison, says no.
+    /// Compares errors with the causes of a fit; `None` if `go_on`, which is called before each comparison, returns false.
     pub fn new(inference: &Inference<'_>, go_on: &mut dyn FnMut() -> bool) -> Option<Self> {
         if !go_on() {
             return None;
@@ -66,9 +66,9 @@ impl UnmodelledErrors {
                 continue;
             };
             for index in set {
-                let known: &mut Option<WeighedError> = &mut rivals[index];
-                if known.as_ref().is_none_or(|k| rival.log_odds > k.log_odds) {
-                    *known = Some(rival.clone());
+                let present: &mut Option<WeighedError> = &mut rivals[index];
+                if present.as_ref().is_none_or(|k| rival.log_odds > k.log_odds) {
+                    *present = Some(rival.clone());
                 }
             }
         }
@@ -95,7 +95,7 @@ impl UnmodelledErrors {
         for structure in &remaining {
             if reported
                 .iter()
-                .all(|known| known.error.readings != structure.id)
+                .all(|other| other.error.readings != structure.id)
             {
                 reported.push(structure.into());
             }
@@ -112,9 +112,9 @@ fn replaceable_sets(causes: &[Cause]) -> Vec<Vec<usize>> {
     let mut sets: Vec<Vec<usize>> = (0..causes.len()).map(|k| vec![k]).collect();
     for (index, cause) in causes.iter().enumerate() {
         let same = |k: &usize| causes[*k].cables() == cause.cables();
-        let all: Vec<usize> = (0..causes.len()).filter(same).collect();
-        if all.len() > 1 && all[0] == index {
-            sets.push(all);
+        let alike: Vec<usize> = (0..causes.len()).filter(same).collect();
+        if alike.len() > 1 && alike[0] == index {
+            sets.push(alike);
         }
     }
     sets
@@ -134,8 +134,8 @@ fn best_rival(
         |id: &ReadingId| cables.is_empty() || id.cable.is_none_or(|cable| cables.contains(&cable));
     let beside = |columns: &DMatrix<f64>, is_meant: &dyn Fn(&ReadingId) -> bool| {
         let meant = remaining.iter().filter(|s| is_meant(&s.id));
-        meant.fold(columns.clone(), |all, s| {
-            concatenate_columns(&[&all, &s.columns])
+        meant.fold(columns.clone(), |joined, s| {
+            concatenate_columns(&[&joined, &s.columns])
         })
     };
     let elsewhere = |id: &ReadingId| !is_eligible(id);
@@ -147,7 +147,7 @@ fn best_rival(
             *amplitude = 0;
         }
     }
-    let found = search.find_in_place(&others, &amplitude, is_eligible)?;
+    let error = search.find_in_place(&others, &amplitude, is_eligible)?;
     // The causes may leave an unmodelled error or a background in the same readings.
     let named = beside(&inference.columns, &elsewhere);
     let whole = beside(&named, &is_eligible);
@@ -167,35 +167,35 @@ fn best_rival(
         log_density(&inference.hyper.amplitude, &named),
         log_density(&amplitude, &whole) + penalty,
     ];
-    let own = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
-    let log_odds = found.log_odds - own;
+    let of_causes = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
+    let log_odds = error.log_odds - of_causes;
     // A cause that explains nearly all that the error explains, with no more parameters, is the simpler description.
     // Chi-squares are compared with the noise estimated for the error.
-    let with_rival = concatenate_columns(&[&others, &found.columns]);
+    let with_rival = concatenate_columns(&[&others, &error.columns]);
     let noise = linear
         .with_amplitudes(start, (&amplitude, inference.hyper.factor), &with_rival)
         .hyper;
     let chi2 = |columns: &DMatrix<f64>| linear.reduced(&noise, columns).chi2;
     let none = chi2(&others);
     let share = (none - chi2(&named)) / (none - chi2(&with_rival)).max(f64::MIN_POSITIVE);
-    if inference.parameters_of(set) <= found.columns.ncols() && share >= NEARLY_ALL {
+    if inference.parameters_of(set) <= error.columns.ncols() && share >= NEARLY_ALL {
         return None;
     }
     (log_odds > NEGLIGIBLE_LOG_ODDS).then(|| WeighedError {
         log_odds,
-        ..WeighedError::from(&found)
+        ..WeighedError::from(&error)
     })
 }
 
 impl From<&StructuredError> for WeighedError {
-    fn from(found: &StructuredError) -> Self {
+    fn from(error: &StructuredError) -> Self {
         Self {
             error: UnmodelledError {
-                readings: found.id,
-                form: found.form,
-                rms: Some(found.rms),
+                readings: error.id,
+                form: error.form,
+                rms: Some(error.rms),
             },
-            log_odds: found.log_odds,
+            log_odds: error.log_odds,
         }
     }
 }
@@ -245,7 +245,7 @@ impl WeighedError {
     }
 }
 
-/// What to do about an error that no effect explains.
+/// Advice for an error that no effect explains.
 const ADVICE: &str = "Measure more poses between those where this error is large and small.";
 
 /// Names of the components of a reading.

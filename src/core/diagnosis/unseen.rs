@@ -20,53 +20,52 @@ use super::size_posterior::SizePosterior;
 
 /// All faults that are not among the causes of the fit, in the order of the catalogue.
 pub(super) fn unseen_faults(gram: &Gram<'_>, present: &[usize]) -> Vec<UnseenFault> {
-    let mut found: Vec<UnseenFault> = Vec::new();
+    let mut faults: Vec<UnseenFault> = Vec::new();
     for (index, candidate) in gram.candidates.iter().enumerate() {
         let is_known = present
             .iter()
-            .any(|own| *own == index || gram.candidates[*own].excludes(candidate));
+            .any(|k| *k == index || gram.candidates[*k].excludes(candidate));
         if candidate.is_family() || is_known {
             continue;
         }
         let sizes = SizePosterior::at_scales(candidate, &gram.scores[index]);
-        match found.last_mut() {
+        match faults.last_mut() {
             // Poses of an event and periods of a wave share the prior probability of one fault.
             Some(last) if is_same_effect_and_targets(&last.cause, &candidate.cause) => {
                 last.sizes.extend(sizes);
             }
-            _ => found.push(UnseenFault {
+            _ => faults.push(UnseenFault {
                 cause: candidate.typical(),
                 sizes,
             }),
         }
     }
-    found
+    faults
 }
 
 impl SizePosterior {
-    fn at_scales(candidate: &Candidate, own: &CandidateScore) -> Vec<Self> {
+    fn at_scales(candidate: &Candidate, alone: &CandidateScore) -> Vec<Self> {
         let typical = DVector::from_vec(candidate.coordinates(&candidate.typical()));
         let Some(typical) = candidate.prior.clone().lu().solve(&typical) else {
             return Vec::new();
         };
-        let all = candidate.scales.iter();
-        all.filter_map(|scale| Self::new(candidate, own, *scale, typical.norm()))
-            .collect()
+        let at_scale = |scale: &(f64, f64)| Self::new(candidate, alone, *scale, typical.norm());
+        candidate.scales.iter().filter_map(at_scale).collect()
     }
 
     fn new(
         candidate: &Candidate,
-        own: &CandidateScore,
+        alone: &CandidateScore,
         (scale, log_weight): (f64, f64),
         typical: f64,
     ) -> Option<Self> {
         let prior = &candidate.prior * scale;
-        let mut precision = prior.tr_mul(&own.information) * &prior;
+        let mut precision = prior.tr_mul(&alone.information) * &prior;
         for k in 0..precision.nrows() {
             precision[(k, k)] += 1.0;
         }
         let factor = precision.cholesky()?;
-        let score = prior.tr_mul(&own.score);
+        let score = prior.tr_mul(&alone.score);
         // Residuals are predictions minus readings.
         let mean = -factor.solve(&score);
         let count = mean.len();

@@ -129,17 +129,17 @@ impl<'a> Variables<'a> {
         let pulley = &self.problem.dataset.robot.cables[cable].pulley;
         let axis = Vec3::from(pulley.swivel_axis);
         let facing = |path: &CablePath<f64>| Vec3::from(path.facing);
-        let known = self.paths[cable].iter().flatten();
-        let mean: Vec3 = known.map(facing).sum();
+        let known_paths = self.paths[cable].iter().flatten();
+        let mean: Vec3 = known_paths.map(facing).sum();
         let angle = |from: &Vec3, to: &Vec3| axis.cross(from).dot(to).atan2(from.dot(to));
         let zero = pulley.swivel_zero.map(|zero| {
             let zero = Vec3::from(zero);
             angle(&(zero - axis * axis.dot(&zero)), &mean)
         });
-        let of = |path: &CablePath<f64>| zero.unwrap_or(0.0) + angle(&mean, &facing(path));
+        let angle_of = |path: &CablePath<f64>| zero.unwrap_or(0.0) + angle(&mean, &facing(path));
         let paths = self.paths[cable].iter();
         paths
-            .map(|path| path.as_ref().map_or(f64::NAN, of))
+            .map(|path| path.as_ref().map_or(f64::NAN, angle_of))
             .collect()
     }
 
@@ -184,7 +184,7 @@ fn paths(
     poses: &[Option<Pose>],
 ) -> Vec<Vec<Option<CablePath<f64>>>> {
     let cables = problem.dataset.robot.cables.iter();
-    let of = |(cable, entry): (&crate::robot::Cable, &[f64; 3])| {
+    let paths_of = |(cable, entry): (&crate::robot::Cable, &[f64; 3])| {
         let pulley = PulleyGeometry {
             entry: *entry,
             axis: cable.pulley.swivel_axis,
@@ -194,7 +194,8 @@ fn paths(
         let path = |pose: &Pose| pulley.path_to(pose.transform(&anchor).into());
         poses.iter().map(|pose| pose.as_ref().map(path)).collect()
     };
-    cables.zip(&solution.globals.entry_points).map(of).collect()
+    let pairs = cables.zip(&solution.globals.entry_points);
+    pairs.map(paths_of).collect()
 }
 
 /// Fitted tensions (N) and laser distances (m): readings minus their estimated errors.
@@ -210,10 +211,10 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
         }
     }
     let mut laser: Vec<f64> = (0..data.len()).map(|row| data.laser_at(row)).collect();
-    for (at, residual) in linear.rows.iter().zip(&linear.residual) {
-        let Some(row) = at.row else { continue };
-        let correction = residual * at.sd;
-        match at.kind {
+    for (linear_row, residual) in linear.rows.iter().zip(&linear.residual) {
+        let Some(row) = linear_row.row else { continue };
+        let correction = residual * linear_row.sd;
+        match linear_row.kind {
             // The row of a tension is the error of the reading itself: reading minus tension.
             RowKind::Observation(ObservationKind::Tension(cable)) => {
                 tension.set(row, cable, tension.get(row, cable) + correction);

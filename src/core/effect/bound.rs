@@ -87,14 +87,14 @@ pub struct BoundEffect {
     pub effect: &'static Effect,
     /// Cables that share these parameters.
     pub cables: Vec<usize>,
-    /// Whether it is attached to individual cables rather than to the whole robot.
+    /// Whether the effect is attached to individual cables rather than to the robot or to all cables in common.
     pub targeted: bool,
     /// Value of each parameter.
     pub values: Vec<f64>,
 }
 
 impl BoundEffect {
-    /// Whether it acts on the platform, the frame or an instrument.
+    /// Whether the effect acts on the platform, the frame or an instrument.
     pub(crate) fn acts_on_platform(&self) -> bool {
         self.effect.scope() == Scope::Robot
     }
@@ -126,7 +126,7 @@ impl BoundEffect {
         }
     }
 
-    /// Whether another one is the same effect on the same target, whatever its values.
+    /// Whether `other` is the same effect on the same target, whatever its values.
     #[must_use]
     pub fn has_target_of(&self, other: &Self) -> bool {
         std::ptr::eq(self.effect, other.effect)

@@ -23,7 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-/// Whether length readings and force readings are exchanged.
+/// Whether the length readings and whether the force readings are exchanged, by the parameter `channels`.
 fn exchanged(channels: f64) -> [bool; 2] {
     [channels != 2.0, channels >= 2.0]
 }

@@ -128,7 +128,7 @@ impl PlatformContext {
     }
 }
 
-/// What a fit or a simulation knows better than the readings, `(row, cable)`.
+/// Inputs that a fit or a simulation knows better than the readings do; indexed by `(row, cable)`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct BetterKnown<'k> {
     /// Directions of travel.

@@ -11,13 +11,13 @@ use crate::robot::Robot;
 pub struct FoundEffect<'a> {
     robot: &'a Robot,
     bound: &'a BoundEffect,
-    /// Whether sentences keep their fields, with the names of parameters.
+    /// Whether sentences are templates: they keep their fields, with the names of parameters.
     as_template: bool,
 }
 
 /// Parts of which the robot has one per cable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum CablePart {
     /// The cable itself.
     Cable,
     /// Its winch.
@@ -28,7 +28,7 @@ pub enum Part {
     ForceSensor,
 }
 
-impl Part {
+impl CablePart {
     /// Singular and plural.
     fn nouns(self) -> [&'static str; 2] {
         match self {
@@ -123,10 +123,10 @@ impl<'a> FoundEffect<'a> {
         };
         match field.split_once(':') {
             None => match field {
-                "cable" => self.name(Part::Cable),
-                "winch" => self.name(Part::Winch),
-                "pulley" => self.name(Part::Pulley),
-                "force sensor" => self.name(Part::ForceSensor),
+                "cable" => self.name(CablePart::Cable),
+                "winch" => self.name(CablePart::Winch),
+                "pulley" => self.name(CablePart::Pulley),
+                "force sensor" => self.name(CablePart::ForceSensor),
                 "displacement" => match self.bound.values.get(..3) {
                     Some(vector) => displacement(vector),
                     None => unknown(),
@@ -202,7 +202,7 @@ impl<'a> FoundEffect<'a> {
 
     /// The parts of the cables concerned, without capital: `winch 3`, `winches 1, 4 and 5`, `all winches`, `the
     /// winch of left-front`.
-    pub fn name(&self, part: Part) -> String {
+    pub fn name(&self, part: CablePart) -> String {
         let [one, several] = part.nouns();
         let cables = self.cables();
         if cables.len() > 1 && cables.len() == self.robot.cable_count() {
@@ -218,12 +218,12 @@ impl<'a> FoundEffect<'a> {
             .map(|i| self.robot.cables[*i].name.clone())
             .collect();
         match part {
-            Part::Cable => format!("{noun} {}", list(&names)),
+            CablePart::Cable => format!("{noun} {}", list(&names)),
             _ => format!("the {noun} of {}", list(&names)),
         }
     }
 
-    /// Number of a cable, counted from 1, if its name says no more than that.
+    /// Number of a cable, counted from 1, if its name contains nothing else.
     fn number(&self, index: usize) -> Option<String> {
         let name = self.robot.cables[index].name.to_lowercase();
         let name = name.strip_prefix("cable").unwrap_or(&name);
@@ -240,7 +240,7 @@ impl<'a> FoundEffect<'a> {
     }
 }
 
-/// In a template, what only code can fill in.
+/// Placeholder in a template for text that only code can fill in.
 pub(super) const NOT_A_FIELD: &str = "{}";
 
 /// Offset and text of the first field of a sentence that cannot be filled in, given the names of the parameters.
@@ -275,17 +275,17 @@ fn is_field(field: &str, parameters: &[&str]) -> bool {
 }
 
 impl BoundEffect {
-    /// What is wrong, as a sentence for a technician.
+    /// Sentence on the fault for a technician.
     pub fn cause(&self, robot: &Robot) -> String {
         (self.effect.cause)(&FoundEffect::new(robot, self))
     }
 
-    /// What to do about it in the workshop.
+    /// Advice for the workshop.
     pub fn workshop(&self, robot: &Robot) -> String {
         (self.effect.workshop)(&FoundEffect::new(robot, self))
     }
 
-    /// A sentence about it with its fields filled in.
+    /// A sentence about the effect with its fields filled in.
     pub(crate) fn say(&self, robot: &Robot, text: &str) -> String {
         FoundEffect::new(robot, self).say(text)
     }

@@ -98,7 +98,7 @@ pub(crate) use typical_size::amplitude_of;
 
 use crate::measurement::{Measurements, Variable};
 
-/// What an effect can be attached to.
+/// Possible targets of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
     /// One cable; without a target, each cable gets an instance of its own.
@@ -139,11 +139,11 @@ pub struct EffectParameter {
     pub start: f64,
     /// Smallest and largest possible value.
     pub bounds: [f64; 2],
-    /// Whether it is given and never estimated, as the label of a pose.
+    /// Whether the parameter is given and never estimated, as the label of a pose.
     pub discrete: bool,
     /// Whether a discrete parameter may be omitted and is then neutral.
     pub optional: bool,
-    /// By how much a sound part deviates; `None` for a parameter that is neutral in every sound part.
+    /// Deviation of sound parts; `None` for a parameter that is neutral in every sound part.
     pub tolerance: Option<TypicalTolerance>,
 }
 
@@ -214,7 +214,7 @@ impl EffectParameter {
         }
     }
 
-    /// States by how much sound parts deviate, as standard deviations for small and for large machines.
+    /// States the deviation of sound parts, as standard deviations for small and for large machines.
     #[must_use]
     pub const fn with_tolerance(self, [small, large]: [f64; 2], source: &'static str) -> Self {
         Self {
@@ -247,11 +247,11 @@ impl EffectParameter {
 pub(crate) enum AsText {
     /// Formulas of the quantities that it changes.
     Formulas(&'static [(&'static str, &'static str)]),
-    /// Why formulas cannot express it.
+    /// Reason why formulas cannot express the effect.
     Impossible(&'static str),
 }
 
-/// How an effect is searched for in data. Numbers are indices of its parameters.
+/// Method by which a diagnosis searches for an effect. Numbers are indices of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Search {
     /// By its derivative at the start values.
@@ -284,14 +284,14 @@ pub struct Delays {
     pub tracker: f64,
 }
 
-/// Texts for an effect that all cables have at once, each with values of its own, where it is something else than on one cable.
+/// Texts for an effect that all cables have at once, each with its own values, if the cause is then another than for one cable.
 #[derive(Debug, Clone, Copy)]
 pub struct OnEachCable {
     /// Plain title.
     pub title: &'static str,
-    /// What is wrong; fields as in `FoundEffect::say`.
+    /// Sentence on the fault; fields as in `FoundEffect::say`.
     pub cause: &'static str,
-    /// What to do about it in the workshop.
+    /// Advice for the workshop.
     pub workshop: &'static str,
 }
 
@@ -303,32 +303,32 @@ pub struct Effect {
     pub(crate) id: &'static str,
     /// Plain title.
     pub(crate) title: &'static str,
-    /// What it can be attached to.
+    /// Possible targets.
     pub(crate) scope: Scope,
-    /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
+    /// Parameters, in the order in which `change_cable` and `change_platform` get them.
     pub(crate) parameters: &'static [EffectParameter],
-    /// What is wrong, with the estimated size: one sentence for a technician.
+    /// Sentence on the fault with its estimated size, for a technician.
     pub(crate) cause: fn(&FoundEffect<'_>) -> String,
-    /// What to do about it in the workshop, in one or two sentences.
+    /// Advice for the workshop, in one or two sentences.
     pub(crate) workshop: fn(&FoundEffect<'_>) -> String,
-    /// Other texts where all cables have it at once.
+    /// Other texts for the case that all cables have the effect at once.
     pub(crate) on_each_cable: Option<OnEachCable>,
-    /// An independent check in the workshop that confirms or rules it out, in one sentence, if there is one.
+    /// An independent check in the workshop that confirms the effect or rules it out, in one sentence, if there is one.
     pub(crate) check: Option<&'static str>,
-    /// Where the model comes from.
+    /// Source of the model.
     pub(crate) source: &'static str,
-    /// Stage at which it acts.
+    /// Stage at which the effect acts.
     pub(crate) stage: Stage,
-    /// How it is searched for.
+    /// Method by which a diagnosis searches for the effect.
     pub(crate) search: Search,
-    /// The variable over which readings show it best, if there is one.
+    /// The variable over which readings show the effect best, if there is one.
     pub(crate) variable: Option<Variable>,
-    /// Whether something is loose, broke or moved: it is repaired before the robot is used, and does not happen again in the
-    /// same way. Other effects last, so that the model takes them.
+    /// Whether the effect is damage: something is loose, broke or moved. Damage is repaired before the robot is used, and does
+    /// not happen again in the same way. Other effects are permanent, so that they become part of the model.
     pub(crate) is_damage: bool,
     /// Whether sag must be modelled even if the description says that cables weigh nothing.
     pub(crate) needs_sag: bool,
-    /// Changes the ports of a cable it is attached to.
+    /// Changes the ports of a cable that the effect is attached to.
     pub(crate) change_cable: fn(&[Dual], &CableContext, &mut CablePorts),
     /// Changes the ports of the platform; called for those of [`Scope::Robot`].
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
@@ -386,7 +386,7 @@ impl Effect {
         self.on_each_cable
     }
 
-    /// What it can be attached to.
+    /// Possible targets.
     #[must_use]
     pub fn scope(&self) -> Scope {
         self.scope
@@ -404,25 +404,25 @@ impl Effect {
         self.check
     }
 
-    /// Where the model comes from.
+    /// Source of the model.
     #[must_use]
     pub fn source(&self) -> &'static str {
         self.source
     }
 
-    /// How it is searched for.
+    /// Method by which a diagnosis searches for the effect.
     #[must_use]
     pub fn search(&self) -> Search {
         self.search
     }
 
-    /// The variable over which readings show it best, if there is one.
+    /// The variable over which readings show the effect best, if there is one.
     #[must_use]
     pub fn variable(&self) -> Option<Variable> {
         self.variable
     }
 
-    /// Whether it is repaired rather than modelled: something is loose, broke or moved.
+    /// Whether the effect is damage, to be repaired rather than modelled: something is loose, broke or moved.
     #[must_use]
     pub fn is_damage(&self) -> bool {
         self.is_damage
@@ -437,7 +437,7 @@ impl Effect {
         }
     }
 
-    /// Whether only recordings in motion reveal it.
+    /// Whether only recordings in motion reveal the effect.
     #[must_use]
     pub fn is_in_motion(&self) -> bool {
         match self.text_physics {
@@ -446,27 +446,27 @@ impl Effect {
         }
     }
 
-    /// Whether it is a hypothesis of the user.
+    /// Whether the effect is a hypothesis of the user.
     #[must_use]
     pub fn is_hypothesis(&self) -> bool {
         self.text_physics.is_some()
     }
 
-    /// Whether it has a parameter that can be estimated.
+    /// Whether any parameter of the effect can be estimated.
     #[must_use]
     pub fn is_estimable(&self) -> bool {
         self.parameters.iter().any(|p| !p.discrete)
     }
 
-    /// Whether the parameter with an index measures the size of the effect: it is neither given nor the phase of a wave.
+    /// Whether the parameter with this index measures the size of the effect: it is neither given nor the phase of a wave.
     #[must_use]
     pub fn is_size(&self, parameter: usize) -> bool {
         let is_phase = matches!(self.search, Search::Wave { phase, .. } if phase == parameter);
         !self.parameters[parameter].discrete && !is_phase
     }
 
-    /// Whether every part deviates from its description by a little of this effect, so that a tolerance can be stated:
-    /// it lasts, and readings depend on its size at first order.
+    /// Whether every part deviates from its description by a little of this effect, so that a tolerance can be stated: the
+    /// effect is permanent, and readings depend on its size at first order.
     #[must_use]
     pub fn has_tolerance(&self) -> bool {
         let is_smooth = |p: &EffectParameter| p.discrete || p.start == p.neutral;

@@ -24,7 +24,7 @@ impl PartDeviation {
         self.bound.has_target_of(effect)
     }
 
-    /// Whether an effect is an estimate of this deviation: of the same part, with the same phase, which is held.
+    /// Whether an effect is an estimate of this deviation: on the same part, with the same held values, such as the phase.
     #[must_use]
     pub fn is_estimated_by(&self, found: &BoundEffect) -> bool {
         let values = found.values.iter().zip(&self.bound.values);

@@ -93,7 +93,7 @@ pub enum PlatformPort {
 }
 
 impl CablePort {
-    /// Whether it is what a winch or a force sensor reads.
+    /// Whether a winch or a force sensor reads the port.
     pub fn is_reading(self) -> bool {
         matches!(self, Self::Paid | Self::Tension)
     }

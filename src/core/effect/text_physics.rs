@@ -1,4 +1,4 @@
-//! What an effect is asked whose physics is a text.
+//! Interface of the effects whose physics is a text.
 
 use std::fmt;
 
@@ -6,7 +6,6 @@ use super::{CablePorts, Dual, PlatformPorts, RowContexts};
 
 /// Physics that the text of a user states instead of code.
 pub(crate) trait TextPhysics: fmt::Debug + Sync {
-    /// The text.
     fn text(&self) -> &str;
 
     /// Sentences of cause and workshop, with fields.
@@ -15,10 +14,10 @@ pub(crate) trait TextPhysics: fmt::Debug + Sync {
     /// Prior expectation of the number of such causes, if the text states one.
     fn prior(&self) -> Option<f64>;
 
-    /// Whether it depends on the motion of the platform.
+    /// Whether the physics depends on the motion of the platform.
     fn needs_motion(&self) -> bool;
 
-    /// Largest number of a cable that it names, counted from 1; 0 without one.
+    /// Largest number of a cable in the text, counted from 1; 0 without one.
     fn highest_cable(&self) -> usize;
 
     /// Changes the ports of the cable with an index; `targets` are the cables that the effect is attached to.
@@ -30,6 +29,5 @@ pub(crate) trait TextPhysics: fmt::Debug + Sync {
         ports: &mut CablePorts,
     );
 
-    /// Changes the ports of the platform.
     fn change_platform(&self, values: &[Dual], row: RowContexts<'_>, ports: &mut PlatformPorts);
 }

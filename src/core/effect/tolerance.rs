@@ -1,11 +1,11 @@
-//! Typical tolerances: by how much the parts of a sound machine deviate from its drawing.
+//! Typical tolerances: deviations of the parts of a sound machine from its drawing.
 
 use crate::robot::Robot;
 
 /// Diagonal of the frame (m) from which a machine is built like a crane rather than like a machine tool.
 const LARGE_FRAME_M: f64 = 4.0;
 
-/// How a machine is built, on which the accuracy of its parts depends.
+/// Class of construction of a machine, on which the accuracy of its parts depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MachineClass {
     /// A machined frame that fits into a room.
@@ -33,7 +33,7 @@ pub struct TypicalTolerance {
     pub small: f64,
     /// Standard deviation on a machine whose frame is larger than 4 m.
     pub large: f64,
-    /// Where the value comes from.
+    /// Source of the value.
     pub source: &'static str,
     /// Whether sound parts deviate to the positive side only, as play without a reversal of tension.
     pub is_one_sided: bool,

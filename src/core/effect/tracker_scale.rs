@@ -39,6 +39,6 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-/// What tells a scale of the instrument from one of all winches.
+/// Check that tells a scale of the instrument from a common scale of all winches.
 pub(super) const CHECK: &str =
     "Measure one distance between two poses of the platform with a steel tape.";

@@ -1,4 +1,4 @@
-//! Effects at typical size: neither the smallest nor the largest that practice knows.
+//! Effects at typical size: between the smallest and the largest size in practice.
 
 use std::f64::consts::FRAC_PI_4;
 

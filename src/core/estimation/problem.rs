@@ -35,7 +35,7 @@ pub enum Loss {
 pub enum Geometry {
     /// Entry points, target plane, home pose and free effects.
     Estimated,
-    /// Nothing but the errors of the tension readings at home.
+    /// Only the errors of the tension readings at home are estimated.
     Held,
 }
 
@@ -58,9 +58,9 @@ pub struct Problem<'a> {
     pub method: Method,
     /// Loss function.
     pub loss: Loss,
-    /// Whether geometry and effects are estimated.
+    /// Treatment of geometry and effects: estimated or held.
     pub geometry: Geometry,
-    /// Whether poses are estimated.
+    /// Treatment of the poses: estimated or held.
     pub poses: Poses,
     /// Effects of the model, their values held.
     pub held_effects: Vec<BoundEffect>,
@@ -148,7 +148,7 @@ impl<'a> Problem<'a> {
         self
     }
 
-    /// The same problem with those deviations held and estimated that a solution of it has.
+    /// The same problem, with the deviations held and estimated as in a solution.
     #[must_use]
     pub fn with_deviations_of(self, solution: &Solution) -> Self {
         let held = solution
@@ -266,8 +266,8 @@ impl<'a> Problem<'a> {
         Some(sensor.tension_sd_n)
     }
 
-    /// Whether quantities are held at approximate poses during a solve: the contexts of effects, and the motion of the
-    /// platform. The problem must then be solved again at the estimated poses.
+    /// Whether quantities such as the contexts of effects and the motion of the platform are held at approximate poses during a
+    /// solve. The problem must then be solved again at the estimated poses.
     #[must_use]
     pub fn depends_on_poses(&self) -> bool {
         !self.held_effects.is_empty()

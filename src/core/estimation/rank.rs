@@ -14,7 +14,7 @@ const OUTSIDE: f64 = 1e-3;
 /// A direction in parameter space that readings and priors do not determine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RankDefect {
-    /// Sentence for the operator: what is undetermined, and what to provide.
+    /// Sentence for the operator: the undetermined quantity, and the data or description to provide.
     pub sentence: String,
 }
 

@@ -53,7 +53,7 @@ pub struct OutsideSurface {
 
 impl Solution {
     /// Whether the solve ended at a minimum, where the predicted reduction of the loss is negligible. A solve that stalled, was
-    /// cancelled or ran out of iterations did not converge, however few steps it took.
+    /// cancelled or ran out of iterations has not converged, however small its last steps.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged

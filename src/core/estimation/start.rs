@@ -77,7 +77,7 @@ fn known_deviations(mut deviations: Vec<BoundEffect>, known: &[BoundEffect]) -> 
     deviations
 }
 
-/// Whether two deviations are of the same part, and waves of the same phase: a part has two of those.
+/// Whether two deviations are of the same part and, for waves, of the same phase: a part has waves of two phases.
 fn is_same_part(one: &BoundEffect, other: &BoundEffect) -> bool {
     let has_same_phase = match one.effect.search() {
         Search::Wave { phase, .. } => one.values.get(phase) == other.values.get(phase),

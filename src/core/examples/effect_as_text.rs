@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let mut fastest = [f64::INFINITY; 2];
-        // In turns, so that whatever else the computer does slows both.
+        // In turns, so that other load on the computer slows both equally.
         for _ in 0..SOLUTIONS {
             for (fastest, request) in fastest.iter_mut().zip(&requests) {
                 *fastest = fastest.min(seconds(&dataset, request)?);

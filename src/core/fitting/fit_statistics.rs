@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 /// With `W = diag(1/sd_i^2)` of the observations (1 where none is given) and `J` the derivative of the
 /// prediction, the cofactor is `Q = (J^T W J)^-1`, the residual variance `s^2 = sum (e_i/sd_i)^2 / dof` and
 /// the covariance `s^2 Q` (Bjorck, *Numerical Methods for Least Squares Problems*, section 1.1).
-/// Where the observations' standard deviations are trusted, use the cofactor instead.
+/// If the standard deviations of the observations are trusted, use the cofactor instead.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitStatistics {
     /// Estimates of the parameters, in the order of the columns of the design.

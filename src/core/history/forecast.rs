@@ -1,4 +1,4 @@
-//! When the robot should be calibrated again.
+//! Forecast of the date at which the robot should be calibrated again.
 //!
 //! A controller that keeps the values `p` of the last session has at the day `t` after it the error
 //!
@@ -11,8 +11,8 @@
 //!
 //! The probability of being out of tolerance is that of simulated futures. A drift is present with its posterior probability. Jumps
 //! have a rate with the posterior `Gamma(1 + n, 1 / r + T)`, for `n` jumps in `T` years and `r` of them expected per year: that of a
-//! Poisson process with an exponential prior. Their sizes have the prior of the search. How far the date depends on what is not known
-//! of drifts and of the rate of jumps is its interval: that of the dates for rates drawn from their posterior.
+//! Poisson process with an exponential prior. Their sizes have the prior of the search. The interval of the date shows its
+//! dependence on the uncertain rates of drifts and jumps: it is that of the dates for rates drawn from their posterior.
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 use rand::{Rng, RngExt, SeedableRng};
@@ -21,7 +21,7 @@ use rand_distr::{Distribution, Exp1, Gamma, StandardNormal};
 
 use super::search::{DAYS_PER_YEAR, JUMPS_PER_YEAR, SCALES};
 use super::state::TYPICAL_MOVE_M;
-use super::{History, Part};
+use super::{History, RobotPart};
 use crate::comparison::Identified;
 use crate::estimation::{Parameter, ParameterId};
 use crate::planning::{Volume, position_weights};
@@ -30,7 +30,7 @@ use crate::statistics::covariance_root;
 
 /// Probability of being out of tolerance at which a new calibration is due.
 pub const OUT_OF_TOLERANCE: f64 = 0.05;
-/// The farthest day that is looked at.
+/// Horizon of the forecast (days).
 const FARTHEST_DAYS: f64 = 10.0 * DAYS_PER_YEAR;
 /// Width of the interval in which a date is looked for (days).
 const EXACT_DAYS: f64 = 0.1;
@@ -59,7 +59,7 @@ pub enum Tolerance<'a> {
     },
 }
 
-/// What is expected after the last session.
+/// Forecast of the time until the robot is out of tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forecast {
     /// Probability of being out of tolerance already, because the values of the last session are uncertain.
@@ -70,8 +70,7 @@ pub struct Forecast {
     /// Days after the last session at which the probability of being out of tolerance reaches 5 %; `None` if it does not within ten
     /// years.
     pub due_days: Option<f64>,
-    /// 95 % interval of these days: they depend on rates of drifts and jumps that are not known exactly. Without an upper end if it
-    /// is beyond ten years.
+    /// 95 % interval of `due_days`, from the uncertain rates of drifts and jumps. `None` for an end beyond ten years.
     pub interval_days: [Option<f64>; 2],
 }
 
@@ -149,12 +148,12 @@ fn due(probability: impl Fn(f64) -> f64) -> Option<f64> {
 
 /// Expected number of jumps of pulleys that were found.
 fn jumps_of_pulleys(history: &History) -> f64 {
-    let of_pulley = |part: usize| matches!(history.parts[part], Part::Pulley(_));
+    let of_pulley = |part: usize| matches!(history.parts[part], RobotPart::Pulley(_));
     let jumps = history.jumps.iter().filter(|jump| of_pulley(jump.part));
     jumps.map(|jump| jump.probability).sum()
 }
 
-/// How errors and displacements show in what is tolerated.
+/// Linear map from errors of the values and displacements of the pulleys to the error that has a tolerance.
 struct ErrorOfValues {
     limit_m: f64,
     /// Number of adjacent coordinates of which the length counts.
@@ -205,9 +204,9 @@ impl ErrorOfValues {
             |id: &ParameterId| matches!(id, ParameterId::EntryPoint { .. } | ParameterId::Home(_));
         let estimated: Vec<usize> = (0..own.len()).filter(|k| counts(&own[*k].id)).collect();
         let mut parameters: Vec<Parameter> = estimated.iter().map(|k| own[*k].clone()).collect();
-        // What only other sessions estimated may move, too.
+        // A pulley that only other sessions estimated may move, too.
         for part in movable(history) {
-            let Part::Pulley(cable) = history.parts[part] else {
+            let RobotPart::Pulley(cable) = history.parts[part] else {
                 continue;
             };
             for axis in history.axes[part].iter().copied() {
@@ -235,7 +234,7 @@ impl ErrorOfValues {
             .select_columns(&estimated);
         let of_values = factor.columns(0, estimated.len()) * covariance_root(&covariance);
         let columns = |part: usize| {
-            let Part::Pulley(cable) = history.parts[part] else {
+            let RobotPart::Pulley(cable) = history.parts[part] else {
                 return Vec::new();
             };
             let axes = history.axes[part].iter().copied();
@@ -267,7 +266,7 @@ impl ErrorOfValues {
 /// Indices of the pulleys of which any coordinate is followed.
 fn movable(history: &History) -> impl Iterator<Item = usize> {
     let is_movable = |part: &usize| {
-        matches!(history.parts[*part], Part::Pulley(_)) && !history.axes[*part].is_empty()
+        matches!(history.parts[*part], RobotPart::Pulley(_)) && !history.axes[*part].is_empty()
     };
     (0..history.parts.len()).filter(is_movable)
 }
@@ -276,16 +275,15 @@ fn normal(count: usize, rng: &mut impl Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(rng))
 }
 
-/// A jump at some day.
 struct FutureJump {
     days: f64,
-    /// What it adds to the error.
+    /// Change of the error by the jump.
     by: DVector<f64>,
 }
 
-/// Rates of drifts and jumps, and what may happen with them.
+/// Drift and possible future jumps for one draw of their rates.
 struct Rates {
-    /// What drifts add to the error per day.
+    /// Change of the error per day by drifts.
     drift: DVector<f64>,
     /// Errors of the values, one column for each future.
     errors: DMatrix<f64>,

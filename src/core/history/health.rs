@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::search::{evidence, jump_probability};
 use super::state::{Followed, TYPICAL_MOVE_M};
-use super::{CERTAIN, DatedRun, History, HistoryError, Part, smoothed};
+use super::{CERTAIN, DatedRun, History, HistoryError, RobotPart, smoothed};
 use crate::statistics::covariance_root;
 
 /// Number of random moves from which a probability of detection is computed, and their seed.
@@ -21,7 +21,7 @@ const SEED: u64 = 36;
 const MOVES_M: [f64; 2] = [1e-6, 1.0];
 const EXACTNESS: f64 = 0.02;
 
-/// What a check found since the baseline.
+/// Result of a check of the robot: changes since the baseline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HealthCheck {
     /// Both sessions with the changes between them; those of one part are the same as in any history.
@@ -72,7 +72,7 @@ impl HealthCheck {
 
     fn moves(&self, part: usize) -> Option<Moves<'_>> {
         let information = self.history.information[part].first()?;
-        let is_pulley = matches!(self.history.parts[part], Part::Pulley(_));
+        let is_pulley = matches!(self.history.parts[part], RobotPart::Pulley(_));
         let count = information.nrows();
         if !is_pulley || count == 0 {
             return None;

@@ -1,4 +1,4 @@
-//! The life of one robot: what moved, drifted or stayed the same over many calibrations.
+//! The history of one robot: jumps and drifts of its parts over many calibrations.
 //!
 //! **State.** The coordinates of all pulleys, the target plane and the parameters of effects are the state `x(t)` of the robot.
 //! Session `j` at the time `t_j` has the information `L_j` on it, with the moment `L_j x_j`: that of its readings alone
@@ -46,16 +46,15 @@ const LISTED: f64 = 0.05;
 pub struct DatedRun<'a> {
     /// Problem and solution.
     pub run: Identified<'a>,
-    /// When it was measured, in days from any origin.
+    /// Day of the measurement, counted from any origin.
     pub days: f64,
-    /// Whether something happened to the robot after the run before this one, so that changes are likely: an adjustment, a
-    /// repair, a crash.
+    /// Whether an event between the previous run and this one makes changes likely: an adjustment, a repair, a crash.
     pub follows_event: bool,
 }
 
 /// A part of the robot whose state is followed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Part {
+pub enum RobotPart {
     /// The pulley of a cable, by its index.
     Pulley(usize),
     /// The laser's target plane.
@@ -110,17 +109,18 @@ pub struct Drift {
     pub rate: DVector<f64>,
     /// Covariance of the rate.
     pub covariance: DMatrix<f64>,
-    /// Whether the sessions speak for it. A drift that they can neither show nor rule out remains possible.
+    /// Whether the data of the sessions make the drift probable. A drift that they can neither show nor rule out remains
+    /// possible.
     pub is_evident: bool,
 }
 
-/// The life of a robot.
+/// History of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     /// Days of the sessions after the first one.
     pub days: Vec<f64>,
     /// The parts that are followed.
-    pub parts: Vec<Part>,
+    pub parts: Vec<RobotPart>,
     /// Axes of the coordinates of each part that are estimated; empty for parts other than pulleys.
     pub axes: Vec<Vec<usize>>,
     /// State of each part in each session, `states[part][session]`.
@@ -137,7 +137,7 @@ pub struct History {
 }
 
 impl History {
-    /// The drifts for which the sessions speak.
+    /// The drifts that the sessions make probable.
     pub fn evident_drifts(&self) -> impl Iterator<Item = &Drift> {
         self.drifts.iter().filter(|drift| drift.is_evident)
     }
@@ -157,7 +157,7 @@ pub enum HistoryError {
     OtherRobot {
         /// Number of the session, from 1.
         session: usize,
-        /// How it differs from the first one.
+        /// Difference from the robot of the first session.
         error: ComparisonError,
     },
     /// The data of a session do not determine the robot.
@@ -165,10 +165,10 @@ pub enum HistoryError {
     Undetermined(usize),
 }
 
-/// Smooths the state of a robot over its sessions, which are in the order of time, and finds what changed.
+/// Smooths the state of a robot over its sessions, which are in the order of time, and finds the changes.
 ///
 /// # Errors
-/// If there are fewer than two sessions, or one does not determine the robot or has another one.
+/// If there are fewer than two sessions, or the data of one do not determine the robot, or one is of another robot.
 pub fn smooth(runs: &[DatedRun<'_>]) -> Result<History, HistoryError> {
     if runs.len() < 2 {
         return Err(HistoryError::TooFew(runs.len()));

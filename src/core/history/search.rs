@@ -17,11 +17,12 @@ const DRIFTING: f64 = 0.1;
 const DRIFT_PER_DAY: f64 = 0.0025;
 /// Prior standard deviations of a size, over the typical one.
 pub(super) const SCALES: [f64; 6] = [0.06, 0.125, 0.25, 0.5, 1.0, 2.0];
-/// Log odds that the sessions must add to those of the prior for a change to be listed: what they do not speak for is none.
+/// Gain of the log odds over the prior that a change needs to be listed: a change for which the sessions give no evidence is
+/// not one.
 const LISTED_GAIN: f64 = 1.0;
-/// Smallest probability of the next interval at which the range of a jump is widened by it.
+/// Smallest probability of a jump in the adjacent interval at which the range of the jump is widened by that interval.
 const WIDENED: f64 = 0.01;
-/// Gain of the log evidence below which the search does not go on.
+/// Gain of the log evidence below which the search ends.
 const SMALL_GAIN: f64 = 1e-6;
 /// Most steps of the search.
 const MOST_STEPS: usize = 200;
@@ -193,7 +194,7 @@ impl<'a> Search<'a> {
             .iter()
             .filter_map(|m| index(&m.change))
             .collect();
-        // Log weights of the sets, each with what it has more and less than the best set.
+        // Log weights of the sets, each with its changes relative to the best set: added and removed ones.
         let mut sets: Vec<(f64, Option<usize>, Option<usize>)> = vec![(0.0, None, None)];
         for (more, gain) in gains(&self.set).into_iter().enumerate() {
             sets.push((gain, Some(more), None));
@@ -227,7 +228,7 @@ impl<'a> Search<'a> {
         (probability, unchanged)
     }
 
-    /// The life of the robot by the best set.
+    /// The history of the robot by the best set.
     pub fn history(&self) -> History {
         let covariance = self.set.covariance();
         let estimate = self.set.estimate();
@@ -283,8 +284,8 @@ impl<'a> Search<'a> {
         set.conditional(self.timeline, course, &numbers).1
     }
 
-    /// Jumps and drifts that are listed. A jump of the best set whose session is open is stated for the range of sessions in
-    /// which it happened with near certainty.
+    /// Jumps and drifts that are listed. A jump of the best set whose interval is uncertain is stated for the range of sessions
+    /// in which it happened with near certainty.
     fn changes(&self, mut left: Vec<f64>) -> (Vec<Jump>, Vec<Drift>) {
         let mut jumps = Vec::new();
         let mut drifts = Vec::new();
@@ -328,8 +329,8 @@ impl<'a> Search<'a> {
         (jumps, drifts)
     }
 
-    /// The shortest range of sessions around a jump within which it is nearly certain, with its probability. What it takes from
-    /// neighbouring intervals is no other jump.
+    /// The shortest range of sessions around a jump within which the jump is nearly certain, with its probability. The
+    /// probability that it takes from neighbouring intervals does not count as another jump.
     fn range_of(&self, part: usize, after: usize, left: &mut [f64]) -> ([usize; 2], f64) {
         let change = |after: usize| Change {
             part,
@@ -366,7 +367,7 @@ impl<'a> Search<'a> {
         ([low, high + 1], sum.min(1.0))
     }
 
-    /// Size of a change: of a member of the best set as estimated there, of another one as estimated if it is added.
+    /// Size of a change: for a member of the best set as estimated there, otherwise as estimated with the change added.
     fn size_of(&self, change: Change) -> (DVector<f64>, DMatrix<f64>) {
         let mut with = None;
         if !self.set.has(&change) {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{DatedRun, HistoryError, Part};
+use super::{DatedRun, HistoryError, RobotPart};
 use crate::comparison::{
     ComparisonError, DeviationKey, Identified, RigidMotion, data_information, deviation_key,
 };
@@ -11,7 +11,6 @@ use crate::estimation::{ParameterId, covariance_of};
 /// Standard deviation of an effect that a session does not have, over its smallest typical size.
 const ABSENT_SD: f64 = 0.1;
 
-/// One number of the state.
 #[derive(Debug, Clone, PartialEq)]
 struct StateNumber {
     /// Index of the part.
@@ -22,22 +21,22 @@ struct StateNumber {
     reference: f64,
     /// Standard deviation of the neutral value of an effect in a session that does not have it; infinite for other parts.
     absent_sd: f64,
-    /// The deviation of a part within its tolerance that it is, with the first session that has it.
+    /// The deviation within its tolerance that the number stands for, with the first session that has the deviation.
     deviation: Option<(DeviationKey, usize)>,
 }
 
-/// Which parts may change.
+/// Parts that may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Followed {
     /// Pulleys, the target plane, and the effects in the models of the sessions.
     Model,
-    /// Also what deviates from the description within its tolerance.
+    /// Also the deviations of the parts within their tolerances.
     ModelAndDeviations,
 }
 
-/// Which numbers the state has.
+/// Components of the state.
 pub(super) struct State {
-    pub parts: Vec<Part>,
+    pub parts: Vec<RobotPart>,
     /// Typical size of a change of each part (m, or the unit of the effect).
     pub typical: Vec<f64>,
     numbers: Vec<StateNumber>,
@@ -86,7 +85,7 @@ impl State {
         let mut coordinates = Vec::new();
         let mut known = Vec::new();
         for (cable, of) in robot.cables.iter().enumerate() {
-            state.push_part(Part::Pulley(cable), TYPICAL_MOVE_M);
+            state.push_part(RobotPart::Pulley(cable), TYPICAL_MOVE_M);
             for axis in 0..3 {
                 let id = ParameterId::EntryPoint { cable, axis };
                 if is_estimated(&id) {
@@ -98,7 +97,7 @@ impl State {
             }
         }
         if is_estimated(&ParameterId::PlaneOffset) {
-            state.push_part(Part::TargetPlane, TYPICAL_MOVE_M);
+            state.push_part(RobotPart::TargetPlane, TYPICAL_MOVE_M);
             let offset = robot.laser.map_or(0.0, |l| l.target_plane.offset_m);
             state.push(0, offset, f64::INFINITY);
             coordinates.push(ParameterId::PlaneOffset);
@@ -142,7 +141,8 @@ impl State {
             .map(|(_, first)| *first)
     }
 
-    /// Adds a deviation to what may change. Numbers of one effect on one cable, such as the two phases of a wave, are one part.
+    /// Adds a deviation to the parts that may change. Numbers of one effect on one cable, such as the two phases of a wave, are
+    /// one part.
     fn follow_deviation(
         &mut self,
         run: &Identified<'_>,
@@ -165,7 +165,7 @@ impl State {
         });
     }
 
-    fn push_part(&mut self, part: Part, typical: f64) {
+    fn push_part(&mut self, part: RobotPart, typical: f64) {
         self.parts.push(part);
         self.typical.push(typical);
     }
@@ -200,15 +200,15 @@ impl State {
     /// Axes of the numbers of a part.
     pub fn axes_of(&self, part: usize) -> Vec<usize> {
         match self.parts[part] {
-            Part::Pulley(_) => {
+            RobotPart::Pulley(_) => {
                 let numbers = self.numbers_of(part).into_iter();
                 numbers.map(|k| self.numbers[k].axis).collect()
             }
-            Part::TargetPlane | Part::Effect { .. } => Vec::new(),
+            RobotPart::TargetPlane | RobotPart::Effect { .. } => Vec::new(),
         }
     }
 
-    /// The value that a number is relative to.
+    /// Reference value of a number, from which the state counts.
     pub fn reference(&self, number: usize) -> f64 {
         self.numbers[number].reference
     }
@@ -223,8 +223,8 @@ impl State {
             return self.numbers.iter().position(of_number).or_else(constant);
         }
         let (part, axis) = match *id {
-            ParameterId::EntryPoint { cable, axis } => (Part::Pulley(cable), axis),
-            ParameterId::PlaneOffset => (Part::TargetPlane, 0),
+            ParameterId::EntryPoint { cable, axis } => (RobotPart::Pulley(cable), axis),
+            ParameterId::PlaneOffset => (RobotPart::TargetPlane, 0),
             _ => (effect_of(run, id)?.0, 0),
         };
         let part = self.parts.iter().position(|known| *known == part)?;
@@ -233,14 +233,14 @@ impl State {
     }
 }
 
-/// What is known of an effect's parameter.
+/// Neutral value of a parameter of an effect, and its smallest and largest possible value.
 struct EffectNumber {
     neutral: f64,
     smallest: f64,
     largest: f64,
 }
 
-fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumber)> {
+fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(RobotPart, EffectNumber)> {
     let ParameterId::Effect { effect, parameter } = id else {
         return None;
     };
@@ -248,7 +248,7 @@ fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumb
     let description = bound.effect.parameters()[*parameter];
     let setting = bound.setting(&run.problem.dataset.robot);
     let [smallest, largest] = description.typical_sizes();
-    let part = Part::Effect {
+    let part = RobotPart::Effect {
         effect: setting.effect,
         targets: setting.targets,
         parameter: description.name.to_owned(),
@@ -266,8 +266,8 @@ fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumb
     Some((part, number))
 }
 
-/// The part whose deviation a parameter is, with the typical size of a fault of it.
-fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, f64)> {
+/// The part whose deviation a parameter describes, with the typical size of a fault of the part.
+fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(RobotPart, f64)> {
     let ParameterId::Deviation {
         deviation,
         parameter,
@@ -278,7 +278,7 @@ fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, f6
     let bound = &run.problem.deviations[*deviation].bound;
     let description = bound.effect.parameters()[*parameter];
     let setting = bound.setting(&run.problem.dataset.robot);
-    let part = Part::Effect {
+    let part = RobotPart::Effect {
         effect: setting.effect,
         targets: setting.targets,
         parameter: description.name.to_owned(),
@@ -294,8 +294,8 @@ pub(super) struct SessionInformation {
     pub moment: DVector<f64>,
 }
 
-/// The information of a session. Its unknowns that are not in the state are eliminated, and a common motion of all parts but in
-/// the first session. `None` if its data do not determine what is eliminated.
+/// The information of a session. Its unknowns that are not in the state are eliminated, as is a common motion of all parts
+/// except in the first session. `None` if its data do not determine the eliminated unknowns.
 pub(super) fn session_information(
     state: &State,
     run: &Identified<'_>,

@@ -80,7 +80,7 @@ impl Life {
         self.with_last(poses, seed, |history, _| history.clone())
     }
 
-    /// What follows from the history and the last session.
+    /// A result from the history and the last session.
     fn with_last<T>(
         &self,
         poses: usize,

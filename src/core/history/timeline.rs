@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::state::{SessionInformation, State};
 
-/// How a change depends on time.
+/// Time dependence of a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Course {
     /// A jump after the session with this index.
@@ -102,7 +102,7 @@ impl Timeline {
         self.information[power][from].select_columns(numbers)
     }
 
-    /// Information between two changes, each of its own numbers.
+    /// Information between two changes, with rows and columns for the numbers of each.
     pub fn between(
         &self,
         (one, rows): (Course, &[usize]),

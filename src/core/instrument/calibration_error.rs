@@ -6,7 +6,7 @@ pub enum CalibrationError {
     /// Fewer pairs than a fit with standard deviations needs.
     #[error("{given} pairs are too few: {needed} are needed to fit {what} and judge the residuals")]
     TooFewPairs {
-        /// What was to be fitted.
+        /// The model to be fitted.
         what: &'static str,
         /// Smallest sufficient number of pairs.
         needed: usize,

@@ -26,7 +26,7 @@ pub enum HomePlatformError {
     Sensor {
         /// Number of the sensor, from 1.
         sensor: usize,
-        /// What is wrong, one sentence.
+        /// Problem, in one sentence.
         message: String,
     },
     /// The distances do not determine the pose.
@@ -62,7 +62,7 @@ pub struct HomeFix {
     pub largest_misfit_m: f64,
     /// Newton steps taken.
     pub iterations: usize,
-    /// Whether the six equations hold.
+    /// Whether the six equations hold to 1e-10 m.
     pub converged: bool,
 }
 

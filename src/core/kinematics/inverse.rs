@@ -282,7 +282,7 @@ fn length_gradient(cable: &Cable, pose: &Pose) -> Result<LengthGradient, Kinemat
 
 #[cfg(test)]
 mod tests {
-    use super::super::samples::{self, Kind};
+    use super::super::samples::{self, PlatformKind};
     use super::*;
     use crate::geometry::Coordinate;
     use rand::RngExt;
@@ -350,7 +350,11 @@ mod tests {
                 check_gradients(&robot, &pose);
             }
         }
-        for kind in [Kind::Spatial, Kind::Planar, Kind::PointMass] {
+        for kind in [
+            PlatformKind::Spatial,
+            PlatformKind::Planar,
+            PlatformKind::PointMass,
+        ] {
             for radius in [0.0, 0.02] {
                 let robot = samples::of_kind(kind, radius);
                 let twist = Twist::from_fn(|_, _| rng.random_range(-0.1..0.1));
@@ -403,7 +407,7 @@ mod tests {
         assert_eq!(error, Err(KinematicsError::SwivelZeroAlongAxis { cable }));
     }
 
-    /// What one cable with entry point 0 and axis +z says about an anchor.
+    /// Inverse kinematics of one cable with entry point 0 and axis +z.
     fn verdict(radius: f64, anchor: [f64; 3]) -> Result<Vec<CableState>, KinematicsError> {
         let cable = samples::cable("winch 3", Vec3::zeros(), Vec3::z(), radius, Vec3::zeros());
         let robot = samples::robot(&Coordinate::ALL, vec![cable]);

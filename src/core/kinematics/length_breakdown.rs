@@ -405,7 +405,7 @@ mod tests {
         assert_eq!(outside.outside_surface.unwrap().quantity, "tension");
     }
 
-    /// The drawing of a robot's cables touches what it should.
+    /// Checks that the drawings of the cables touch anchors and pulleys.
     fn assert_drawn(robot: &Robot, pose: &Pose, drawings: &[CableDrawing]) {
         for (cable, drawing) in robot.cables.iter().zip(drawings) {
             let points = &drawing.points;

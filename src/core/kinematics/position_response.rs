@@ -1,4 +1,4 @@
-//! Motion of the platform by changes of what the cables command.
+//! Motion of the platform by changes of the commanded cable lengths.
 
 use nalgebra::DMatrix;
 

@@ -8,7 +8,7 @@ use crate::robot::{Cable, CableMaterial, Platform, Pulley, Robot, Winch};
 
 /// Kind of platform.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum PlatformKind {
     Spatial,
     Planar,
     PointMass,
@@ -114,11 +114,11 @@ pub(crate) fn point_mass(radius_m: f64) -> Robot {
     robot(&free, cables.collect())
 }
 
-pub(crate) fn of_kind(kind: Kind, radius_m: f64) -> Robot {
+pub(crate) fn of_kind(kind: PlatformKind, radius_m: f64) -> Robot {
     match kind {
-        Kind::Spatial => spatial(radius_m),
-        Kind::Planar => planar(radius_m),
-        Kind::PointMass => point_mass(radius_m),
+        PlatformKind::Spatial => spatial(radius_m),
+        PlatformKind::Planar => planar(radius_m),
+        PlatformKind::PointMass => point_mass(radius_m),
     }
 }
 

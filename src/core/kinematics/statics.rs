@@ -76,19 +76,19 @@ pub fn equilibrium_residual(
     Ok(structure.tr_mul(&DVector::from_column_slice(tensions_n)) + wrench)
 }
 
-/// Whether tensions within the limits can balance the platform.
+/// Feasibility of static equilibrium with tensions within the limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feasibility {
     /// The tensions balance the platform to rounding.
     Feasible,
-    /// They cannot.
+    /// No tensions within the limits balance the platform.
     Infeasible,
 }
 
 /// Tensions nearest to a reference that balance the platform, or come as close to balance as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TensionDistribution {
-    /// Whether the platform is in equilibrium.
+    /// Feasibility of the equilibrium.
     pub feasibility: Feasibility,
     /// Tension of each cable (N), within its limits.
     pub tensions_n: Vec<f64>,
@@ -334,7 +334,7 @@ impl<'a> Dual<'a> {
         None
     }
 
-    /// Whether all admissible tensions leave a wrench component against `direction`.
+    /// Whether every admissible tension leaves a wrench component against `direction`.
     fn proves_infeasible(&self, direction: &Vector6) -> bool {
         let norm = direction.norm();
         if norm == 0.0 {
@@ -364,7 +364,7 @@ impl<'a> Dual<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::length_gradients;
-    use super::super::samples::{self, Kind};
+    use super::super::samples::{self, PlatformKind};
     use super::*;
     use crate::geometry::Coordinate;
     use rand::RngExt;
@@ -444,7 +444,11 @@ mod tests {
     #[test]
     fn structure_matrix_is_minus_the_length_gradient() {
         let mut rng = samples::generator(21);
-        for kind in [Kind::Spatial, Kind::Planar, Kind::PointMass] {
+        for kind in [
+            PlatformKind::Spatial,
+            PlatformKind::Planar,
+            PlatformKind::PointMass,
+        ] {
             let robot = samples::of_kind(kind, 0.02);
             let twist = Twist::from_fn(|_, _| rng.random_range(-0.1..0.1));
             let pose = Pose::identity().perturbed(&twist);

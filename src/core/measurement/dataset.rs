@@ -130,7 +130,7 @@ pub struct Measurements {
     pub tracked_orientation_wxyz: Vec<[f64; 4]>,
     /// Standard deviation of the tracked position (m), where it differs from the robot's.
     pub tracked_position_sd_m: Vec<[f64; 3]>,
-    /// Sign of the travel of each cable before each row, +1 where it was paid out, for rows of which others were left out; else
+    /// Sign of the travel of each cable before each row, +1 where it was paid out, if rows in between were left out; otherwise
     /// empty, as it follows from the readings.
     pub travel: Grid,
     /// True values of simulated data.

@@ -74,7 +74,7 @@ pub struct Rates {
     pub laser: Vec<[f64; 2]>,
     /// Velocity and acceleration of the platform from the external instrument (m, rad, s).
     pub tracked: Vec<[Twist; 2]>,
-    /// How the samples were selected.
+    /// Selection of the samples.
     pub sampling: Sampling,
 }
 
@@ -248,7 +248,7 @@ impl Measurements {
         (!runs.is_empty()).then_some(runs)
     }
 
-    /// Whether the length readings within a range of rows are those of a motion.
+    /// Whether the length readings within a range of rows are samples of a motion.
     fn follows_a_motion(&self, robot: &Robot, rows: &Range<usize>) -> bool {
         let (grid, counts) = self.length_readings();
         let values: Vec<_> = (0..grid.columns())

@@ -1,4 +1,4 @@
-//! Whether consecutive samples are a motion or separate standstills.
+//! Test of consecutive samples: a motion or separate standstills.
 //!
 //! Samples of a motion lie on a smooth curve: a polynomial through the samples around one of them, the same from which the
 //! rates are taken, predicts that one to within the noise, or at least far better than the samples differ from each other.
@@ -24,9 +24,9 @@ pub struct SampledChannel<'a> {
     pub sd: f64,
 }
 
-/// Whether the samples of `channels` at rows with these times (s) are those of a motion: in the median over windows of
-/// consecutive rows, and over the channels in each, the residual from a smooth curve is as small as their noise, or
-/// small compared with their spread.
+/// Whether the samples of `channels` at rows with these times (s) are of a motion: in the median over windows of consecutive
+/// rows, and over the channels in each, the residual from a smooth curve is as small as their noise, or small compared with
+/// their spread.
 #[must_use]
 pub fn follows_a_motion(times_s: &[f64], channels: &[SampledChannel<'_>]) -> bool {
     let half = FEWEST / 2;

@@ -31,7 +31,7 @@ pub struct Refused {
     pub kinematics: usize,
     /// No tensions within the limits balance the platform.
     pub tension: usize,
-    /// They do there, but not everywhere on the straight way from the home pose.
+    /// Tensions balance the platform at the pose, but not everywhere on the straight path from the home pose.
     #[serde(default)]
     pub way: usize,
     /// The beam misses the target, meets it beyond 60 degrees or at a distance outside the range.

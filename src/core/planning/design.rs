@@ -83,14 +83,14 @@ struct Pool<'a> {
     /// Indices of the candidates in the information.
     members: Vec<usize>,
     chosen: Vec<bool>,
-    parts: Vec<Part<'a>>,
+    terms: Vec<DesignTerm<'a>>,
 }
 
 impl<'a> Pool<'a> {
     fn new(criterion: &'a Criterion, members: Vec<usize>) -> Self {
-        let parts = criterion.terms.iter();
+        let terms = criterion.terms.iter();
         let mut pool = Self {
-            parts: parts.map(|term| Part::new(term, &members)).collect(),
+            terms: terms.map(|term| DesignTerm::new(term, &members)).collect(),
             chosen: vec![false; members.len()],
             members,
         };
@@ -102,20 +102,20 @@ impl<'a> Pool<'a> {
     fn refresh(&mut self) {
         let chosen = (0..self.members.len()).filter(|place| self.chosen[*place]);
         let picked: Vec<usize> = chosen.map(|place| self.members[place]).collect();
-        self.parts.iter_mut().for_each(|part| part.refresh(&picked));
+        self.terms.iter_mut().for_each(|term| term.refresh(&picked));
     }
 
     /// Adds a member to the design or removes it.
     fn change(&mut self, place: usize, add: bool) {
         self.chosen[place] = add;
-        self.parts
+        self.terms
             .iter_mut()
-            .for_each(|part| part.change(place, add));
+            .for_each(|term| term.change(place, add));
     }
 
     /// Increase of the criterion by a member outside the design.
     fn gain(&self, place: usize) -> f64 {
-        self.parts.iter().map(|part| part.gain(place)).sum()
+        self.terms.iter().map(|term| term.gain(place)).sum()
     }
 
     /// The member outside the design that would add most.
@@ -142,7 +142,7 @@ impl<'a> Pool<'a> {
 }
 
 /// A term of the criterion for the present design, and the change by each candidate.
-struct Part<'a> {
+struct DesignTerm<'a> {
     information: &'a ExpectedInformation,
     kind: &'a TermKind,
     /// `R` of all members, stacked.
@@ -157,7 +157,7 @@ struct Part<'a> {
     mean_square: f64,
 }
 
-impl<'a> Part<'a> {
+impl<'a> DesignTerm<'a> {
     fn new(term: &'a Term, members: &[usize]) -> Self {
         let information = &term.information;
         let mut first_row = vec![0];

@@ -69,7 +69,7 @@ impl Goal {
         }
     }
 
-    /// Whether the information on faults matters.
+    /// Whether the goal needs the information on faults.
     pub(super) fn needs_faults(self) -> bool {
         matches!(self, Self::Faults | Self::Both)
     }

@@ -18,7 +18,7 @@ use crate::simulation::{
 pub(super) struct InformationModel<'a> {
     /// The robot as identified from the poses already measured; only with the effects of its model.
     pub robot: Robot,
-    /// Where the platform may go.
+    /// Workspace of the platform.
     pub workspace: Workspace,
     options: &'a PlanOptions<'a>,
     tension: TensionRange,
@@ -120,7 +120,7 @@ impl<'a> InformationModel<'a> {
             .flatten()
     }
 
-    /// Whether tensions balance the platform on the straight way between two poses, as far as that can be checked.
+    /// Whether tensions balance the platform on the straight path between two poses; true if that cannot be checked.
     pub fn is_held_between(&self, from: &Pose, to: &Pose) -> bool {
         self.robot.unchecked_tensions().is_some()
             || self.tension.hold_between(&self.robot, from, to).is_ok()

@@ -39,8 +39,8 @@ use candidates::{Candidate, draw};
 use goal::Criterion;
 use information_model::InformationModel;
 
-/// Number of poses to measure where nobody states one, the home pose not counted. Four times as many would roughly halve the errors
-/// of MINI, in four times the time at the robot.
+/// Default number of poses to measure, the home pose not counted. Four times as many would roughly halve the errors of MINI, in
+/// four times the time at the robot.
 pub const USUAL_POSES: usize = 25;
 
 /// Options of a plan.
@@ -107,12 +107,12 @@ pub enum PlanProgress {
         /// Number of candidates wanted.
         wanted: usize,
     },
-    /// Selecting poses one by one.
+    /// Poses are selected one by one.
     Chosen {
         /// Number of poses selected so far.
         poses: usize,
     },
-    /// Exchanging selected poses for better ones.
+    /// Selected poses are exchanged for better ones.
     Exchanged {
         /// Number of exchanges so far.
         exchanges: usize,
@@ -141,7 +141,7 @@ pub enum PlanError {
         found: usize,
         /// Number of poses wanted.
         wanted: usize,
-        /// Why the others were rejected.
+        /// Numbers of rejected candidates by reason.
         refused: Refused,
     },
     /// No tensions within the limits balance the platform at a given pose.

@@ -245,7 +245,7 @@ mod tests {
         let ends = first.map(|k| poses[k]);
         let other = order(&|a, b| !(ends.contains(a) && ends.contains(b)));
         assert!(!moves(&other.sequence).contains(&first), "{other:?}");
-        // None can be: the way counts with every return to the start.
+        // If no straight path is feasible, the platform returns to the start between all poses, which counts as path length.
         let none = order(&|_, _| false);
         let spokes: f64 = poses.iter().map(|pose| pose.position.norm()).sum();
         let last = poses[none.sequence[3]].position.norm();

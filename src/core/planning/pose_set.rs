@@ -231,7 +231,7 @@ mod tests {
         }
     }
 
-    /// Other instruments change which parameters there are; what is kept of the poses changes nothing.
+    /// Other instruments change the set of parameters; the stored quantities of the poses remain valid.
     #[test]
     fn other_instruments_at_the_same_poses_promise_what_they_do_from_the_beginning() {
         let robot = presets::find("mini").unwrap().robot;

@@ -1,4 +1,4 @@
-//! What single further poses would add to the information that the measured poses have given.
+//! Gain of information by single further poses, in addition to the measured ones.
 
 use super::candidates::Candidate;
 use super::goal::faults;

@@ -165,7 +165,7 @@ fn errors_scatter_as_expected() {
     let weight = covariance.try_inverse().unwrap();
     let mut sum = 0.0;
     for seed in 0..40 {
-        // The truth is drawn, as the prior is part of what is expected.
+        // The truth is drawn, because the expectation includes the prior.
         let options = SimulationOptions {
             workspace: Some(preset.workspace),
             tension: Some(preset.tension),
@@ -332,7 +332,7 @@ fn what_a_plan_promises_is_expected_of_its_poses_again() {
     assert_eq!(error, PlanError::NotHeld { number: 4 });
 }
 
-/// What a plan is for it reaches better than plans for anything else, and than a small part of the workspace does.
+/// Each goal is reached better by a plan for it than by plans for the other goals or by poses in a small part of the workspace.
 #[test]
 fn each_goal_is_reached_best_by_its_own_plan() {
     let preset = presets::find("mini").unwrap();

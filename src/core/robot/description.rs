@@ -179,7 +179,7 @@ impl Platform {
         }
     }
 
-    /// Whether it can turn about any axis.
+    /// Whether any rotation of the platform is free.
     #[must_use]
     pub fn turns(&self) -> bool {
         self.free.iter().any(|coordinate| coordinate.index() >= 3)
@@ -479,7 +479,7 @@ impl Robot {
         }
     }
 
-    /// What tells the machine from others: its name, with the serial number if it has one.
+    /// Label that tells the machine from others: its name, with the serial number if it has one.
     #[must_use]
     pub fn label(&self) -> String {
         match &self.serial_number {

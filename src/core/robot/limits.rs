@@ -80,8 +80,8 @@ impl Robot {
         })
     }
 
-    /// Why it cannot be checked before a motion that tensions within their limits hold the platform, in one sentence; `None` if
-    /// it can.
+    /// Reason why it cannot be checked before a motion that tensions within their limits hold the platform, in one sentence;
+    /// `None` if it can be checked.
     #[must_use]
     pub fn unchecked_tensions(&self) -> Option<&'static str> {
         if self.platform.mass_kg.is_none() {
@@ -102,7 +102,7 @@ impl Robot {
         }
     }
 
-    /// Whether the cables of a robot have tensions that can be computed.
+    /// Whether the tensions of the cables can be computed: the mass and either all force sensors or tension limits are given.
     #[must_use]
     pub fn has_tensions(&self) -> bool {
         self.platform.mass_kg.is_some()

@@ -1,4 +1,4 @@
-//! Tolerances of the parts: by how much they may deviate from the description.
+//! Tolerances of the parts: permitted deviations from the description.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub enum PartTolerances {
     /// Those of the catalogue, for the robot's class of machine.
     Typical(Typical),
-    /// Stated ones.
+    /// Stated tolerances.
     Stated(StatedTolerances),
 }
 
@@ -30,7 +30,7 @@ pub enum Typical {
 /// none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StatedTolerances {
-    /// Factor of all of them.
+    /// Common factor of all tolerances.
     #[serde(default = "one")]
     pub factor: f64,
     /// Tolerance of each effect.

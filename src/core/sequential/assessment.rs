@@ -1,4 +1,4 @@
-//! What the measured poses tell about the goals.
+//! Assessment of the goals from the measured poses.
 
 use super::goal::Goal;
 use crate::diagnosis::{
@@ -19,17 +19,17 @@ pub struct PossibleFault {
     pub odds: f64,
 }
 
-/// What is known after some poses.
+/// Assessment of the measured poses.
 #[derive(Debug, Clone)]
 pub struct Assessment {
     /// Number of measured poses, the home pose not counted.
     pub poses: usize,
     /// Largest standard deviation of a coordinate of an entry point (m); `None` while the readings do not determine it.
     pub largest_sd_m: Option<f64>,
-    /// Probability that the findings are what is wrong and nothing else is: the product of their stated probabilities and of
-    /// [`Self::no_further_fault`]. Zero if one of them is ambiguous or has no name.
+    /// Probability that exactly the findings are present: the product of their stated probabilities and of
+    /// [`Self::no_further_fault`]. Zero if a finding is ambiguous or has no name.
     pub explained: f64,
-    /// Probability that no fault of the size of interest is present beside the findings, of those that the instruments can show.
+    /// Probability that no fault of the size of interest that the instruments can show is present beside the findings.
     pub no_further_fault: f64,
     /// The findings.
     pub findings: Vec<Finding>,
@@ -96,7 +96,8 @@ impl Assessment {
         }
     }
 
-    /// Whether channels are exchanged, so that sets of causes are about other readings than those of the dataset.
+    /// Whether channels are exchanged, so that the sets of causes refer to corrected readings rather than to those of the
+    /// dataset.
     pub(super) fn has_exchanged_channels(&self) -> bool {
         let causes = self.findings.iter().filter_map(Finding::cause);
         causes
@@ -106,9 +107,8 @@ impl Assessment {
 }
 
 /// Faults of the size of interest that may be present beside the findings.
-///
-/// The prior of the diagnosis expects [`EXPECTED_CAUSES`] of any size, shown or not. Here as many are expected that are of the size of
-/// interest and can be shown: a robot that is asked for them has no fewer because its instruments are few.
+/// The prior of the diagnosis expects [`EXPECTED_CAUSES`] of any size, shown or not. Here the same number is expected of faults
+/// that are of the size of interest and can be shown: a robot does not have fewer of them because it has few instruments.
 struct UnseenOfInterest<'d> {
     /// Faults with their sizes of interest.
     faults: Vec<(&'d UnseenFault, &'d FaultOfInterest)>,
@@ -172,7 +172,7 @@ impl<'d> UnseenOfInterest<'d> {
         self.raised * probability / (1.0 - probability.min(1.0))
     }
 
-    /// Probability that a cause is of the size of interest if it is present: that of its instance for which it is largest.
+    /// Probability that a cause is of the size of interest if it is present: the largest over its instances.
     fn share_of_interest(&self, cause: &Cause) -> f64 {
         let of = self
             .faults

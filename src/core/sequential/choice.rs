@@ -78,7 +78,7 @@ pub(super) fn gains_of_accuracy(limit_m: f64, of: &ExpectedInformation) -> Vec<f
     (0..of.poses.len()).map(gain).collect()
 }
 
-/// What the poses have to tell apart.
+/// Sets of causes and faults between which the poses have to decide.
 #[derive(Debug, Clone)]
 pub(super) struct Hypotheses {
     /// Number of poses.
@@ -214,7 +214,7 @@ impl Hypotheses {
     }
 }
 
-/// Whether every effect of a set on its cables is in another one.
+/// Whether one set has every effect of another on the same cables.
 fn contains(all: &[Cause], some: &[Cause]) -> bool {
     let of = |set: &[Cause]| -> Vec<(&str, Vec<usize>)> {
         let instances = set.iter().flat_map(|cause| &cause.instances);
@@ -226,7 +226,7 @@ fn contains(all: &[Cause], some: &[Cause]) -> bool {
     of(some).iter().all(|one| all.contains(one))
 }
 
-/// How faults of typical size show at the poses, with the geometry adapted to them.
+/// Signatures of faults of typical size at the poses, with the geometry estimated anew for each fault.
 struct FaultSignatures<'p> {
     prospects: &'p Prospects,
     /// Indices of the parameters of the geometry.

@@ -6,26 +6,26 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Until when is measured; in files the text of the command line, such as `accuracy=0.3mm`.
+/// Condition on which a measurement ends; in files the text of the command line, such as `accuracy=0.3mm`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "String", into = "String")]
 #[schemars(with = "String")]
 pub enum Goal {
     /// All coordinates of all entry points have standard deviations of at most this (m).
     Accuracy(f64),
-    /// It is known with this probability what is wrong, be it nothing.
+    /// The causes, or their absence, are known with this probability.
     Cause(f64),
-    /// It is known with this probability that no fault of typical size is present.
+    /// The absence of faults of typical size is known with this probability.
     FaultFree(f64),
 }
 
-/// Range of the probabilities that can be asked for: below, nothing would be known; above, errors outside the catalogue, which may
-/// look like a cause, leave too much doubt.
+/// Range of permitted probabilities: below, a statement would be worthless; above, errors outside the catalogue, which may look
+/// like a cause, leave too much doubt.
 pub const PROBABILITIES: [f64; 2] = [0.5, 0.98];
 
 const EXPECTED: &str = "expected accuracy=0.3mm, cause=95% or fault-free=95%";
 
-/// A text that is no goal; one sentence.
+/// A text that does not state a goal; one sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct GoalError(String);

@@ -1,13 +1,13 @@
-//! Sequential design of a measurement: after every pose, whether the goals are reached, and else which pose to measure next.
+//! Sequential design of a measurement: after every pose, either all goals are reached or the next pose is chosen.
 //!
-//! [`SequentialDesign::next`] is a function of the measured poses alone, so a measurement that was interrupted goes on with the
-//! same decisions. After the first poses, which a plan for the whole geometry provides, the pose is chosen that most reduces what
-//! is left of the goals for its time; `choice.rs` has the criterion. The run ends when all goals are reached, when no pose of the
-//! workspace brings one of them closer, or at a number of poses.
+//! [`SequentialDesign::next`] is a function of the measured poses alone, so an interrupted measurement continues with the same
+//! decisions. After the first poses, which a plan for the whole geometry provides, the pose is chosen that brings the goals
+//! closest per unit of time; `choice.rs` has the criterion. The run ends when all goals are reached, when no pose of the
+//! workspace brings one of them closer, or at the largest number of poses.
 //!
-//! Nothing is decided on a fixed level of a test: the probabilities are posterior ones, which a stopping rule does not change if the
-//! prior is right (Berger and Wolpert, The Likelihood Principle, 1988). That the stated ones remain calibrated at the stop is validated
-//! by simulation.
+//! No decision uses a fixed level of a test: the probabilities are posterior ones, which a stopping rule does not change if the
+//! prior is right (Berger and Wolpert, The Likelihood Principle, 1988). The calibration of the stated probabilities at the stop
+//! is validated by simulation.
 
 mod assessment;
 mod choice;
@@ -36,12 +36,12 @@ use choice::{Hypotheses, best, gains_of_accuracy, largest_sd_m, worst_cable};
 
 /// Default of the largest number of poses.
 pub const AT_MOST: usize = 60;
-/// Number of poses, home not counted, that are measured before anything is decided: fewer hardly determine a robot of eight cables
-/// beside its faults.
+/// Number of poses, home not counted, that are measured before the first decision: fewer hardly determine both the geometry of
+/// a robot of eight cables and its faults.
 pub const FIRST_POSES: usize = 8;
 /// Number of poses from which the first ones are selected.
 const FIRST_CANDIDATES: usize = 400;
-/// Number of poses of the workspace among which the next one is looked for.
+/// Number of poses of the workspace from which the next one is chosen.
 const CANDIDATES: usize = 96;
 /// Noncentrality at the largest number of poses from which the instruments count as able to show a fault: it is then found with a
 /// probability of about 0.99.
@@ -56,7 +56,7 @@ const SAME: f64 = 1e-9;
 /// Options of a sequential design.
 #[derive(Debug, Clone)]
 pub struct SequentialOptions<'a> {
-    /// When to stop: all of them.
+    /// Goals, all of which have to be reached.
     pub goals: &'a [Goal],
     /// Largest number of poses, the home pose not counted.
     pub at_most: usize,
@@ -66,38 +66,38 @@ pub struct SequentialOptions<'a> {
     pub plan: PlanOptions<'a>,
 }
 
-/// What to do next.
+/// Next step of a sequential design.
 #[derive(Debug, Clone)]
 pub enum NextStep {
     /// Measure this pose.
     Measure {
         /// Pose to command.
         pose: Pose,
-        /// Why this one.
+        /// Reason for the choice of the pose.
         reason: Reason,
     },
     /// All goals are reached.
     Reached,
-    /// No pose brings the goals closer that are not reached.
+    /// No pose brings the remaining goals closer.
     CannotGetCloser(Vec<Obstacle>),
     /// The largest number of poses is measured.
     AtLimit,
 }
 
-/// Why a pose was chosen.
+/// Reason why a pose was chosen.
 #[derive(Debug, Clone)]
 pub enum Reason {
-    /// It is one of the first poses, which determine the geometry.
+    /// One of the first poses, which determine the geometry.
     First,
-    /// It makes the entry point of this cable more accurate.
+    /// Makes the entry point of this cable more accurate.
     Narrows(usize),
-    /// It tells one set of causes from another.
+    /// Tells one set of causes from another.
     Separates(Vec<Cause>, Vec<Cause>),
-    /// It shows whether this fault is present.
+    /// Shows whether this fault is present.
     Tests(Cause),
 }
 
-/// What keeps a goal from being reached in this workspace with these instruments.
+/// Reason why a goal cannot be reached in this workspace with these instruments.
 #[derive(Debug, Clone)]
 pub enum Obstacle {
     /// However many poses are measured, the standard deviations stay above the limit.
@@ -115,12 +115,12 @@ pub enum Obstacle {
     NoPoseLeft,
 }
 
-/// A decision, and what it is based on.
+/// A decision, with the assessment that it is based on.
 #[derive(Debug, Clone)]
 pub struct Decision {
-    /// What to do next.
+    /// Next step.
     pub step: NextStep,
-    /// What is known; `None` while the first poses are measured.
+    /// Assessment of the measured poses; `None` while the first poses are measured.
     pub assessment: Option<Assessment>,
 }
 
@@ -157,7 +157,7 @@ pub struct FaultOfInterest {
 }
 
 impl FaultOfInterest {
-    /// Whether an effect is this fault with at least the size of interest.
+    /// Whether an effect is this fault, of at least the size of interest.
     #[must_use]
     pub fn includes(&self, effect: &BoundEffect) -> bool {
         let own = &self.cause.instances[0];
@@ -283,8 +283,8 @@ impl<'a> SequentialDesign<'a> {
         })
     }
 
-    /// What each pose would add, and whether that is in addition to the measured ones: a large fault may keep the model without it
-    /// from any solution, and then the poses are valued as if nothing were measured.
+    /// Prospects of each pose, and whether they are in addition to the measured poses: with a large fault, the model without it
+    /// may have no solution; then the poses are valued as if nothing were measured.
     fn prospects(
         &self,
         measured: &Measurements,
@@ -491,7 +491,7 @@ fn named(assessment: &Assessment) -> Option<&Cause> {
     named.and_then(Finding::cause)
 }
 
-/// Whether even very many poses leave an accuracy out of reach.
+/// The obstacle if an accuracy is out of reach even with very many poses.
 fn accuracy_obstacle(limit_m: f64, of: &ExpectedInformation) -> Option<Obstacle> {
     let measured = of.of(0..of.poses.len()) - &of.common;
     let total = &of.common + measured * UNLIMITED;

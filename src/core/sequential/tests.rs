@@ -27,7 +27,7 @@ fn run(
     loop {
         let options = SimulationOptions {
             effects: effects.to_vec(),
-            // With noise, what was measured before would change with each further pose.
+            // With noise, the earlier readings would change with each further pose.
             noise: false,
             ..SimulationOptions::new(0, seed)
         };
@@ -56,7 +56,7 @@ fn an_accuracy_is_reached_and_not_before_it_is() {
             .iter()
             .all(|reason| matches!(reason, Reason::Narrows(_)))
     );
-    // Whatever was measured before, the same poses lead to the same decision.
+    // A new decision from the poses before the last one chooses the same pose again.
     let rows: Vec<usize> = (0..measured.len() - 1).collect();
     let before = design.next(&measured.select(&rows), &[]).unwrap();
     let NextStep::Measure { pose, .. } = before.step else {

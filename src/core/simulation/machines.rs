@@ -1,5 +1,5 @@
-//! Machines whose parts deviate from their description, for tests: the description itself is changed, so that nothing of
-//! the effects is used.
+//! Machines whose parts deviate from their description, for tests: the description itself is changed, without using the
+//! effects.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -93,7 +93,7 @@ pub fn record(
     })
 }
 
-/// Whether an effect delays readings.
+/// Whether an effect delays readings, judged at a time of 1 s.
 fn is_late(bound: &BoundEffect) -> bool {
     delays_at(std::slice::from_ref(bound), 1.0) != Delays::default()
 }

@@ -1,4 +1,4 @@
-//! Recordings in motion against what was hidden in them.
+//! Recordings in motion against the effects hidden in them.
 
 use super::{Recording, Simulated, SimulationError, SimulationOptions, record, simulate};
 use crate::effect::{EffectRequest, EffectSetting};
@@ -70,7 +70,7 @@ fn fit(dataset: &Dataset, effects: &[&str]) -> Result<Solution, EstimationError>
     Ok(solution)
 }
 
-/// Without noise what is left is the third order in the delay; the instrument is so good that priors do not matter.
+/// Without noise the remaining error is of third order in the delay; the instrument is so good that priors do not matter.
 #[test]
 fn latencies_and_clocks_come_back_without_noise() {
     for name in ["mini", "planar"] {
@@ -154,7 +154,7 @@ fn a_recording_is_thinned_to_independent_samples() {
     assert!((0.03..0.12).contains(&length_s), "{sampling:?}");
     assert!(sampling.interval_s > 3.0 * length_s, "{sampling:?}");
     assert_eq!(dataset.measurements.labels[0], 0);
-    // What was thinned is not thinned again.
+    // A thinned recording is not thinned again.
     let data = &dataset.measurements;
     assert!(data.independent_samples(&robot, 5).is_none());
     assert!(samples(&run, 20).measurements.len() <= 22);

@@ -174,8 +174,8 @@ pub fn true_robot(robot: &Robot, options: &SimulationOptions) -> Robot {
     draw_truth(robot, options, &mut ChaCha8Rng::seed_from_u64(options.seed))
 }
 
-/// A dataset whose inputs are drawn from their distributions around their values: readings by their noise, the drawn places, home and
-/// target plane by their stated uncertainties (JCGM 101:2008, 6.4). Deviations of the parts are none of them.
+/// A dataset whose inputs are drawn from their distributions around their values: readings by their noise, the drawn places,
+/// home and target plane by their stated uncertainties (JCGM 101:2008, 6.4). Deviations of the parts are not drawn.
 #[must_use]
 pub fn drawn_inputs(dataset: &Dataset, rng: &mut ChaCha8Rng) -> Dataset {
     let mut robot = draw_truth(&dataset.robot, &SimulationOptions::new(0, 0), rng);

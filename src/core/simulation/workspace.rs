@@ -18,7 +18,8 @@ const WORKING_STRAIN: f64 = 4e-3;
 const BETWEEN_SAMPLES: f64 = 0.1;
 /// Number of pieces of a path that are sampled at least, so that no two bends of the tensions look like a straight line.
 const PIECES: u32 = 8;
-/// Shortest piece of a path, as a part of it. Where the tensions bend even in such a piece, they are at the end of what is possible.
+/// Shortest piece of a path, relative to its length. If the tensions bend even in such a piece, the path is at the border of
+/// feasibility.
 const SHORTEST_PIECE: f64 = 1e-4;
 
 /// A box of positions with a range of rotations about its centre.
@@ -107,7 +108,7 @@ impl Workspace {
         })
     }
 
-    /// Whether a pose is inside, up to a nanometre and a nanoradian.
+    /// Whether a pose is inside, to within 1e-9 m or rad.
     #[must_use]
     pub fn contains(&self, pose: &Pose) -> bool {
         let off = pose.difference(&self.centre);
@@ -210,9 +211,10 @@ impl TensionRange {
         self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2])
     }
 
-    /// Checks that tensions balance the platform everywhere on the straight way between two poses, turning about one axis. It is
-    /// sampled so densely that between samples no tension leaves its limit by more than a tenth of the lower one: the tensions
-    /// amid two samples differ by no more from the mean of theirs, which is within the limits. At the start the platform is already.
+    /// Checks that tensions balance the platform everywhere on the straight path between two poses, turning about one axis. The
+    /// path is sampled so densely that between samples no tension leaves its limit by more than a tenth of the lower limit: the
+    /// tensions midway between two samples differ by no more from the mean of the samples, which is within the limits. The
+    /// start is known to be balanced.
     ///
     /// # Errors
     /// A pose on the way where there are no such tensions.
@@ -319,8 +321,9 @@ mod tests {
         assert_eq!(Workspace::of(&posing_as_mini), hall.workspace);
     }
 
-    /// Ways sampled densely: on one that holds no tension leaves its limit by more than a tenth of the lower one, and on one that
-    /// does not, none balance the platform somewhere. Near its pulleys a suspended robot can be held higher up than amid them.
+    /// Densely sampled paths: on a feasible one no tension leaves its limit by more than a tenth of the lower limit, and on an
+    /// infeasible one no tensions balance the platform somewhere. Near its pulleys a suspended robot can be held higher up than
+    /// between them.
     #[test]
     fn a_way_holds_where_no_tension_leaves_its_limit() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

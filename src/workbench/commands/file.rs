@@ -25,7 +25,7 @@ use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession, UiRequest};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::history::is_record;
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
@@ -241,7 +241,7 @@ pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
     let loses = draft.leaving.ends_session() && model.is_unsaved();
     // The simulated robot of the session is armed again at once.
     let connected = model.link.connected.as_ref();
-    let is_simulated = connected.is_some_and(|connected| connected.rig.kind == Kind::OfSession);
+    let is_simulated = connected.is_some_and(|one| one.rig.kind == RobotKind::OfSession);
     let rearms =
         is_simulated && matches!(draft.leaving, Leaving::Robot(RobotCommand::ConnectAndArm));
     if loses || model.would_disarm() && !rearms && !draft.may_disarm {

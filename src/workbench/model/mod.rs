@@ -57,7 +57,7 @@ use record::RecordState;
 use session_lock::SessionLock;
 use tasks::Tasks;
 use tautline_workflow::adjusting::{self, Review};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::diagnosis::TIME_LIMIT_S;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::sequential::planned_poses;
@@ -300,7 +300,7 @@ impl Model {
             Some("Choose at least one goal.")
         } else if until.only_planned && planned_poses(session).is_empty() {
             Some("Plan poses, or let any pose of the workspace be measured.")
-        } else if kind == Some(Kind::Recording) {
+        } else if kind == Some(RobotKind::Recording) {
             Some("A recording cannot go to other poses than its own.")
         } else {
             None
@@ -317,7 +317,7 @@ impl Model {
     #[must_use]
     pub fn is_true_to_session(&self) -> bool {
         let connected = self.link.connected.as_ref();
-        connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
+        connected.is_none_or(|connected| connected.rig.kind == RobotKind::OfSession)
     }
 
     /// The place of the first session that can be recovered.

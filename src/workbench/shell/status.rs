@@ -10,7 +10,7 @@ use crate::model::messages::Severity;
 use crate::screens::measuring::controller::lost_words;
 use crate::theme;
 use crate::widgets::{icon_only, muted};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 
 pub fn show(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
@@ -73,8 +73,8 @@ fn controller(ui: &mut Ui, state: &mut State) {
     let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
     // A recording must never look like a robot.
     let words = match (kind, words) {
-        (Some(Kind::Recording), _) => "recording, no robot".to_owned(),
-        (Some(Kind::OfDescription), words) => format!("simulated, {words}"),
+        (Some(RobotKind::Recording), _) => "recording, no robot".to_owned(),
+        (Some(RobotKind::OfDescription), words) => format!("simulated, {words}"),
         (_, words) => words.to_owned(),
     };
     chip(ui, state, (&words, colour));

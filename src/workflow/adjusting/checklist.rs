@@ -9,21 +9,21 @@ use crate::wording::count;
 
 /// A step of an adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Item {
-    /// The accuracy with the values that the controller has.
+pub enum AdjustmentStep {
+    /// Measure the accuracy with the values that the controller has.
     MeasureBefore,
-    /// What would change in the controller.
+    /// Review the differences between the controller and the identified values.
     Review,
-    /// The values are written.
+    /// Write the values.
     Write,
-    /// The accuracy with the identified values.
+    /// Measure the accuracy with the identified values.
     MeasureAfter,
-    /// Somebody accepts the robot.
+    /// Accept the robot.
     Accept,
 }
 
-impl Item {
-    /// All, in their order.
+impl AdjustmentStep {
+    /// All steps, in their order.
     pub const ALL: [Self; 5] = [
         Self::MeasureBefore,
         Self::Review,
@@ -32,7 +32,7 @@ impl Item {
         Self::Accept,
     ];
 
-    /// Its title.
+    /// Title of the step.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -45,34 +45,34 @@ impl Item {
     }
 }
 
-/// How far a step is.
+/// State of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CheckState {
-    /// Done, and good.
+    /// Done, with a good result.
     Done,
     /// To be done now.
     Next,
-    /// It needs one before it.
+    /// Not possible before an earlier step.
     Later,
-    /// It was not done, and those after it were.
+    /// Not done, although later steps were.
     LeftOut,
     /// Done, with a bad result.
     Bad,
 }
 
-/// A line with its result.
+/// A step with its state and result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
     /// The step.
-    pub item: Item,
-    /// How far it is.
+    pub step: AdjustmentStep,
+    /// State of the step.
     pub state: CheckState,
-    /// Its result, in a few words.
+    /// Result of the step, in a few words.
     pub result: String,
 }
 
-/// The checklist of a session whose controller differs so from what was identified; `is_old` if the data were changed after
-/// that.
+/// The checklist of a session with these differences between controller and identified values; `is_old` if the data were
+/// changed after the identification.
 #[must_use]
 pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) -> [Check; 5] {
     let changes = differences.iter().filter(|one| one.is_writable_change());
@@ -100,7 +100,7 @@ pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) ->
     ];
     let last_done = is_done.iter().rposition(|is_done| *is_done);
     let next = last_done.map_or(0, |last| last + 1);
-    let results = [
+    let mut results = [
         before.and_then(|_| mm(main.as_ref()?.before_m)),
         (changes > 0).then(|| count(changes, "value") + " to write"),
         written.map(|written| match written.adjustment.operator.as_str() {
@@ -119,19 +119,19 @@ pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) ->
             name => format!("by {name}"),
         }),
     ];
-    let mut results = results.into_iter();
     std::array::from_fn(|place| {
+        let step = AdjustmentStep::ALL[place];
         let state = match is_done[place] {
-            true if Item::ALL[place] == Item::MeasureAfter && is_worse => CheckState::Bad,
+            true if step == AdjustmentStep::MeasureAfter && is_worse => CheckState::Bad,
             true => CheckState::Done,
             false if place < next => CheckState::LeftOut,
             false if place == next => CheckState::Next,
             false => CheckState::Later,
         };
         Check {
-            item: Item::ALL[place],
+            step,
             state,
-            result: results.next().flatten().unwrap_or_default(),
+            result: results[place].take().unwrap_or_default(),
         }
     })
 }

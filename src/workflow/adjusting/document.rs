@@ -28,7 +28,7 @@ pub struct AdjustmentDocument {
     /// Names of the values that a roll-back does not restore, because they were not numbers before.
     #[serde(default)]
     pub not_restored: Vec<String>,
-    /// Summary of the outcome, and what to do next.
+    /// Summary of the outcome, and the next step.
     pub text: Option<String>,
 }
 
@@ -53,7 +53,7 @@ pub struct DifferenceRow {
     pub difference: Option<f64>,
     /// Standard deviation of the identified value, if it was estimated.
     pub sd: Option<f64>,
-    /// Whether it is written.
+    /// Whether the value is written.
     pub changes: bool,
 }
 

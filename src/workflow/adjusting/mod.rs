@@ -19,7 +19,7 @@ use tautline_session::{
 };
 
 use crate::wording::count;
-pub use checklist::{Check, CheckState, Item, checklist};
+pub use checklist::{AdjustmentStep, Check, CheckState, checklist};
 pub use document::{AdjustmentDocument, DifferenceRow};
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 pub use record::{Written, recorded_differences, verified_before_last_write, written};
@@ -46,7 +46,8 @@ pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// Why nothing is written, if the controller corrects an effect that would stay: one sentence without full stop.
+/// Reason why nothing is written if the controller corrects an unknown effect, which would remain: one sentence without full
+/// stop.
 #[must_use]
 pub fn refusal(differences: &[Difference]) -> Option<String> {
     let unknown = differences.iter().find(|line| line.is_unknown_effect())?;
@@ -72,7 +73,7 @@ pub fn revertible(session: &Session) -> Option<&Adjustment> {
     (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
 }
 
-/// The verification that was stopped and can go on: nothing was verified or written since.
+/// The stopped verification that can be continued: nothing was verified or written since.
 #[must_use]
 pub fn to_continue(session: &Session, stage: Stage) -> Option<&StoppedVerification> {
     let mut stopped = session.stopped_verifications().iter().rev();
@@ -84,7 +85,7 @@ pub fn to_continue(session: &Session, stage: Stage) -> Option<&StoppedVerificati
     (!is_replaced && !is_other).then_some(last)
 }
 
-/// What a stopped verification has.
+/// Summary of a stopped verification, in two sentences.
 #[must_use]
 pub fn stopped_in_words(run: &StoppedVerification) -> String {
     let all: Vec<f64> = run.rows.iter().map(CheckRow::distance_m).collect();
@@ -129,7 +130,7 @@ pub fn former_values(adjustment: &Adjustment) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The old and the new values of an adjustment, for settling it.
+/// Old and new values of an adjustment, from which it can be settled.
 #[must_use]
 pub fn old_and_new(adjustment: &Adjustment) -> [Vec<(String, f64)>; 2] {
     let named = |value: fn(&ValueChange) -> f64| {

@@ -1,4 +1,4 @@
-//! What a session recorded of the values in its controller.
+//! Records of a session about the values in its controller.
 
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{Difference, plan_adjustment};
@@ -54,7 +54,7 @@ pub fn recorded_differences(session: &Session, fit: &Identification) -> Vec<Diff
     plan_adjustment(&recorded(session), &fit.model, Some(&fit.solution))
 }
 
-/// Whether the last verification after an adjustment was made before values were written last.
+/// Whether values were written again after the last verification that followed an adjustment.
 #[must_use]
 pub fn verified_before_last_write(session: &Session) -> bool {
     let mut runs = session.verifications().iter();

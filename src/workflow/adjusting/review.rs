@@ -1,4 +1,4 @@
-//! What an operator reviews before values are written.
+//! Review of the values by the operator before they are written.
 
 use tautline_core::effect::EffectSetting;
 use tautline_link::ParameterInfo;
@@ -8,14 +8,14 @@ use tautline_session::Session;
 use super::{Doubt, recorded_differences, unsupported, unsupported_effects, values_to_write};
 use crate::identification::Identification;
 
-/// The values of a controller beside the identified ones, and what it cannot hold of them.
+/// The values of a controller beside the identified ones, and the effects that it cannot hold.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Review {
     /// A line for each parameter of model and controller.
     pub lines: Vec<Difference>,
     /// Effects of the model for which the controller has no parameters.
     pub effects: Vec<EffectSetting>,
-    /// What the platform misses without them, if it does.
+    /// Doubt about the pose accuracy without these effects, if they displace the platform.
     pub unsupported: Option<Doubt>,
 }
 
@@ -32,7 +32,7 @@ impl Review {
         }
     }
 
-    /// The review of the values that a session recorded, which need not be all that its controller has.
+    /// The review of the values that a session recorded, which may be fewer than the controller has.
     #[must_use]
     pub fn recorded(session: &Session, fit: &Identification) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Effects of a model that a controller cannot hold, and what that costs.
+//! Effects of a model that a controller cannot hold, and the resulting position error.
 
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
@@ -35,8 +35,8 @@ pub fn unsupported_effects<'a>(
     effects.filter(|setting| lasts(setting)).collect()
 }
 
-/// The doubt about values that were identified together with effects for which the controller has no parameters; `None` if
-/// it moves the platform as well without them.
+/// The doubt about values that were identified together with effects for which the controller has no parameters; `None` if the
+/// platform moves equally well without these effects.
 #[must_use]
 pub fn unsupported(model: &Robot, differences: &[Difference]) -> Option<Doubt> {
     let effects = unsupported_effects(model, differences);
@@ -84,8 +84,8 @@ fn sized(model: &Robot, setting: &EffectSetting) -> String {
     size.map_or(title.clone(), |size| format!("{title} of {size}"))
 }
 
-/// Mean distance from the test poses of a verification at which a robot rests whose controller computes the revolutions with
-/// another model (m); `None` if it reaches none of them.
+/// Mean error of the platform at the test poses of a verification if the controller computes the revolutions with another model
+/// (m); `None` if it reaches none of the poses.
 fn error_without(model: &Robot, controller: &Robot) -> Option<f64> {
     let home = model.home?.pose();
     let range = TensionRange::of(model);
@@ -145,7 +145,7 @@ mod tests {
             .nth(1)
             .and_then(|rest| rest.split(' ').next());
         let mm: f64 = errs.expect("a number").parse().expect("a number");
-        // One of eight cables is 2 % of some 0.2 m too long, and the others hold against it.
+        // One of eight cables is 2 % of some 0.2 m too long, and the others limit the error.
         assert!((0.3..4.0).contains(&mm), "{text}");
         // The controller does not use the laser.
         assert_eq!(doubt("laser_scale", &[], 0.01), None);

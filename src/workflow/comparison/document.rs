@@ -10,7 +10,7 @@ use tautline_session::VersionedFile;
 /// Differences between two runs, second less first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonDocument {
-    /// Whether a pulley, the target plane or an effect differs.
+    /// Whether a pulley, the target plane or an effect differs significantly.
     pub different: bool,
     /// Significance level: the probability of finding a difference between two runs of an unchanged robot.
     pub level: f64,
@@ -26,7 +26,7 @@ pub struct ComparisonDocument {
     pub effects: Vec<EffectDifference>,
     /// All pulleys and the target plane together, common motion removed.
     pub global: Option<Test>,
-    /// How well each run is explained: first, second.
+    /// Quality of the fit to each run: first, second.
     pub fits: Vec<FitQuality>,
 }
 

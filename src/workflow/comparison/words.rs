@@ -9,7 +9,7 @@ use crate::wording::{count, list, odds};
 /// Probability of a fit below which its differences are not trusted.
 const BAD_FIT: f64 = 0.01;
 
-/// Whether a test finds a difference beyond noise.
+/// Whether the difference is significant at the level of the comparison.
 pub fn differs(compared: &Comparison, test: Option<Test>) -> bool {
     test.is_some_and(|test| test.p_corrected < compared.level)
 }
@@ -87,7 +87,7 @@ pub fn common_motion(compared: &Comparison) -> Option<String> {
     ))
 }
 
-/// How often noise alone causes such a difference, in words.
+/// Probability of such a difference by noise alone, in words.
 pub fn by_chance(test: Test) -> String {
     odds(test.p_corrected)
 }

@@ -14,7 +14,7 @@ mod user_keys;
 pub use choice::{ControllerChoice, ControllerChoiceError};
 pub use clock::SimulationClock;
 pub use opened::{OpenError, Opened};
-pub use setup::{ConnectionSetup, Kind};
+pub use setup::{ConnectionSetup, RobotKind};
 pub use stored::{beside, held_values, is_held_values};
 pub use symbols::check_symbols;
 pub use user_keys::{PASSWORD, UserKeys};

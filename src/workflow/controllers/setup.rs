@@ -16,9 +16,9 @@ use tautline_session::{
 
 use super::choice::ControllerChoice;
 
-/// A kind of controller.
+/// Kind of robot behind a connection: simulated, recorded or real.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum RobotKind {
     /// The simulated robot of the session, which also gave its readings.
     OfSession,
     /// A robot simulated from the description only; its readings say nothing about a real robot.
@@ -29,8 +29,8 @@ pub enum Kind {
     Real,
 }
 
-impl Kind {
-    /// The kind of controller in the settings of a session.
+impl RobotKind {
+    /// Kind of robot by the settings of a session.
     #[must_use]
     pub fn offered(session: &Session) -> Self {
         match session.connection.controller {
@@ -41,10 +41,9 @@ impl Kind {
     }
 
     fn simulated(session: &Session) -> Self {
-        if session.simulator.is_some() {
-            Self::OfSession
-        } else {
-            Self::OfDescription
+        match session.simulator {
+            Some(_) => Self::OfSession,
+            None => Self::OfDescription,
         }
     }
 }
@@ -52,8 +51,8 @@ impl Kind {
 /// Setup of a connection.
 #[derive(Debug, Clone)]
 pub struct ConnectionSetup {
-    /// Kind of controller.
-    pub kind: Kind,
+    /// Kind of robot.
+    pub kind: RobotKind,
     pub(super) source: Source,
     /// File in which a simulated controller saves its values while they are written.
     pub(super) values_file: Option<PathBuf>,
@@ -61,7 +60,7 @@ pub struct ConnectionSetup {
     /// State of the controller when the last pose of the session was measured.
     pub(super) seen: Option<LastState>,
     pub(super) laser: LaserSettings,
-    /// Number of home pose measurements in the session, so that a simulated one continues with other noise.
+    /// Number of home pose measurements in the session, so that a simulated instrument continues with new noise.
     pub(super) home_measurements: usize,
 }
 
@@ -117,7 +116,7 @@ impl Source {
     }
 }
 
-/// How many times as long as an answer may take something can arrive late.
+/// Longest possible delay of a message over a lost connection, as a multiple of the timeout of a response.
 const LATE: f64 = 1.5;
 /// Seed of the deviations and the noise of a robot simulated from its description.
 const SEED: u64 = 1;
@@ -143,18 +142,19 @@ impl ConnectionSetup {
         let (kind, source) = match choice {
             ControllerChoice::Simulated => {
                 let setup = setup_of(session, identified, &limits);
-                (Kind::simulated(session), Source::Simulated(Box::new(setup)))
+                let kind = RobotKind::simulated(session);
+                (kind, Source::Simulated(Box::new(setup)))
             }
-            ControllerChoice::Replay(folder) => (Kind::Recording, Source::Replay(folder.clone())),
+            ControllerChoice::Replay(path) => (RobotKind::Recording, Source::Replay(path.clone())),
             ControllerChoice::Ads(address) => {
                 let (mapping, options) = ads_parts(&session.connection, &session.robot);
                 let source = Source::Ads(address.clone(), Box::new(mapping), options);
-                (Kind::Real, source)
+                (RobotKind::Real, source)
             }
             ControllerChoice::OpcUa(address) => {
                 let (server, mapping) = opcua_parts(address, &session.connection, &session.robot);
                 let source = Source::OpcUa(Box::new(server), Box::new(mapping));
-                (Kind::Real, source)
+                (RobotKind::Real, source)
             }
         };
         Self {
@@ -168,7 +168,7 @@ impl ConnectionSetup {
         }
     }
 
-    /// The same with what a client brings along to a server that asks who it is.
+    /// The same with the credentials of the client for the server.
     #[must_use]
     pub fn with_credentials(mut self, credentials: Credentials) -> Self {
         if let Source::OpcUa(server, _) = &mut self.source {
@@ -177,13 +177,13 @@ impl ConnectionSetup {
         self
     }
 
-    /// Whether the controller may ask who connects.
+    /// Whether the server of the controller may ask for a user name and a password or certificate.
     #[must_use]
     pub fn asks_who_connects(&self) -> bool {
         matches!(self.source, Source::OpcUa(..))
     }
 
-    /// The user at the server, whose password it needs.
+    /// The user at the server, whose password is required.
     #[must_use]
     pub fn account(&self) -> Option<Account> {
         match &self.source {
@@ -201,7 +201,7 @@ impl ConnectionSetup {
         }
     }
 
-    /// What the connection to a real controller lacks, a sentence each.
+    /// Warnings about the connection to a real controller, one sentence each.
     #[must_use]
     pub fn warnings(&self, protection: Option<&LinkProtection>) -> Vec<String> {
         let Some(mapping) = self.source.mapping() else {
@@ -231,19 +231,20 @@ impl ConnectionSetup {
         found.into_iter().flatten().chain(exposed).collect()
     }
 
-    /// Whether it is limited to real time.
+    /// Whether motion is limited to real time, as for a real controller.
     #[must_use]
     pub fn runs_in_real_time(&self) -> bool {
-        self.kind == Kind::Real
+        self.kind == RobotKind::Real
     }
 
     /// Whether a lost connection is restored, as for a real controller.
     #[must_use]
     pub fn reconnects(&self) -> bool {
-        self.kind == Kind::Real
+        self.kind == RobotKind::Real
     }
 
-    /// Time after which nothing that was sent over a lost connection can still arrive (s): longer than an answer may take.
+    /// Time after which nothing that was sent over a lost connection can still arrive (s): longer than the timeout of a
+    /// response.
     #[must_use]
     pub fn late_s(&self) -> f64 {
         LATE * match &self.source {
@@ -253,13 +254,13 @@ impl ConnectionSetup {
         }
     }
 
-    /// Whether an external instrument observes the robot; otherwise poses are typed.
+    /// Whether an external instrument observes the robot; otherwise the user enters the poses.
     #[must_use]
     pub fn has_instrument(&self) -> bool {
         matches!(self.source, Source::Simulated(_))
     }
 
-    /// Whether the controller can correct an effect.
+    /// Whether the controller has parameters for an effect, so that it can correct for it.
     #[must_use]
     pub fn corrects(&self, setting: &EffectSetting) -> bool {
         let Source::Simulated(setup) = &self.source else {
@@ -341,7 +342,7 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
     }
 }
 
-/// A machine built after a description: its parts deviate by the tolerances that are stated.
+/// A machine built from a description: its parts deviate within the stated tolerances.
 fn as_built(robot: &Robot) -> Robot {
     Robot {
         deviations: draw_deviations(robot, SEED),
@@ -473,7 +474,7 @@ mod tests {
             targets: targets.iter().map(|t| (*t).to_owned()).collect(),
             parameters: Default::default(),
         };
-        assert_eq!(rig.kind, Kind::OfDescription);
+        assert_eq!(rig.kind, RobotKind::OfDescription);
         assert!(rig.corrects(&setting("winch_scale", &["cable-3"])));
         assert!(rig.corrects(&setting("laser_scale", &[])));
         assert!(!rig.corrects(&setting("winch_scale", &["cable-4"])));

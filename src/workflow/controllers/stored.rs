@@ -1,4 +1,4 @@
-//! A simulated controller whose values survive the program, as those of a real one do.
+//! A simulated controller whose values persist when the program ends, like those of a real one.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ pub fn held_values(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     Ok(Some(read.value.values))
 }
 
-/// Whether a path is a plain file with such values.
+/// Whether a path is a plain file with the values of a simulated controller.
 #[must_use]
 pub fn is_held_values(path: &Path) -> bool {
     let found = std::fs::symlink_metadata(path);

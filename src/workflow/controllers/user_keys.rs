@@ -23,7 +23,7 @@ fn to_error(error: impl std::error::Error) -> LinkError {
 }
 
 impl UserKeys {
-    /// Those in the folders of a user; passwords are in the keyring of the desktop.
+    /// Keys and trust in the folders of a user; passwords are in the keyring of the desktop.
     #[must_use]
     pub fn of(folders: Folders) -> Self {
         Self {
@@ -32,20 +32,20 @@ impl UserKeys {
         }
     }
 
-    /// The same with passwords elsewhere.
+    /// The same with another store of passwords.
     #[must_use]
     pub fn with_passwords(mut self, passwords: Arc<dyn PasswordStore>) -> Self {
         self.passwords = passwords;
         self
     }
 
-    /// Where passwords are kept.
+    /// Store of the passwords.
     #[must_use]
     pub fn passwords(&self) -> &Arc<dyn PasswordStore> {
         &self.passwords
     }
 
-    /// Trusts a certificate of a server from now on, in place of another one.
+    /// Trusts a certificate of a server from now on, in place of its previous one.
     ///
     /// # Errors
     /// If the list of trusted servers cannot be read or written.
@@ -81,7 +81,7 @@ impl KeyStore for UserKeys {
         let path = self.folders.opcua_key();
         let written = OpcUaKey::create(&path, made.certificate(), key.as_ref());
         match (written, self.stored()?) {
-            // Another program may have made one meanwhile, which then is the one.
+            // If another program has created an identity meanwhile, that one is used.
             (_, Some(identity)) => Ok(Arc::new(identity)),
             (Err(error), None) => Err(to_error(error)),
             (Ok(()), None) => Ok(Arc::new(made)),

@@ -8,7 +8,7 @@ use super::Diagnosed;
 use crate::wording::{count, list, readings};
 
 impl Diagnosed {
-    /// Title of what a finding or an alternative takes to be present.
+    /// Title of the subject of a finding or of an alternative.
     #[must_use]
     pub fn subject(&self, subject: &Subject) -> String {
         match subject {

@@ -18,7 +18,7 @@ use super::document::{
 };
 use super::verdict::residual_ratio;
 
-/// What stands in place of an effect where none explains an error.
+/// Name in place of an effect where none explains an error.
 const UNKNOWN: &str = "unknown";
 /// Effect of a drawing that is wrong in machine-readable results.
 const DRAWING: &str = "drawing";
@@ -269,7 +269,7 @@ impl Diagnosed {
         }
     }
 
-    /// The sentence; for an ambiguous cause with its alternatives and what would separate them.
+    /// The sentence; for an ambiguous cause with its alternatives and the measurements that would separate them.
     fn text(&self, finding: &Finding) -> String {
         let separation = finding.separation.as_ref().map(|s| s.advice.clone());
         let others = self.otherwise(finding).map(|others| {

@@ -46,8 +46,8 @@ pub(super) fn all_groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The dependence that revealed a finding: of its cables if it names some, on its own variable if there is one, else the
-/// strongest of the same readings; `None` without one.
+/// The dependence that revealed a finding: of its cables if it concerns some, on its own variable if there is one, otherwise
+/// the strongest of the same readings; `None` if there is no dependence of these readings.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let cables = finding.subject.cables();
@@ -175,8 +175,8 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> 
     figure_of(diagnosed, readings, &dependents, event)
 }
 
-/// Residuals of readings over a variable, and a line of what causes explain of them. `event` is the row at which a cause
-/// acts, and whether it goes on from there: the line has a step there, or passes through each point.
+/// Residuals of readings over a variable, and a line of the contribution of causes. `event` is the row at which a cause acts,
+/// and whether it continues from there on: then the line has a step there, otherwise it passes through each point.
 pub(super) fn figure_of(
     diagnosed: &Diagnosed,
     (quantity, cable, variable): (Quantity, Option<usize>, Variable),
@@ -242,7 +242,7 @@ fn lines(
     }
 }
 
-/// What a cause explains of each reading, averaged over readings with about the same value of the variable.
+/// Contribution of a cause to each reading, averaged over readings with about the same value of the variable.
 pub(super) fn averaged(dependents: &[Dependent], event: Option<(usize, bool)>) -> Vec<f64> {
     let lines = lines(dependents, 1.0, event);
     let value = |one: &Dependent| {
@@ -260,7 +260,7 @@ pub(super) fn averaged(dependents: &[Dependent], event: Option<(usize, bool)>) -
     dependents.iter().map(value).collect()
 }
 
-/// Curves of what causes explain; interrupted where there are no data.
+/// Curves of the contribution of causes; interrupted where there are no data.
 fn explained(dependents: &[Dependent], factor: f64, event: Option<(usize, bool)>) -> Vec<Curve> {
     let pieces = lines(dependents, factor, event);
     let data = explained_points(dependents, factor, |_| true);

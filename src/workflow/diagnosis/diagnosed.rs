@@ -12,9 +12,9 @@ use tautline_import::Suggestion;
 pub struct Diagnosed {
     /// Robot and measurements, without excluded poses.
     pub dataset: Arc<Dataset>,
-    /// Number of poses that were measured, of which the dataset has those that are used.
+    /// Number of measured poses; the dataset has the used ones.
     pub measured: usize,
-    /// Mistakes in the readings, which the dataset has no more.
+    /// Mistakes in the readings, corrected in the dataset.
     pub mistakes: Vec<Suggestion>,
     /// The result.
     pub diagnosis: Diagnosis,
@@ -24,7 +24,7 @@ pub struct Diagnosed {
     pub seconds: f64,
     /// Time limit (s).
     pub limit_s: f64,
-    /// Whether it ended because of the limit.
+    /// Whether the time limit ended the diagnosis.
     pub ended_at_limit: bool,
 }
 

@@ -12,13 +12,14 @@ use tautline_session::VersionedFile;
 pub struct DiagnosisDocument {
     /// Whether the original model explains the data; then there are no findings.
     pub adequate: bool,
-    /// Mistakes in the readings, each with the change of a recipe that corrects it; they are undone for all that follows.
+    /// Mistakes in the readings, each with the change of a recipe that corrects it; all other results are for the corrected
+    /// readings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mistakes: Vec<Suggestion>,
     /// A cable that was slack at some poses, or may have been.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack: Option<SlackDocument>,
-    /// How the pulleys are placed otherwise than robot.json states, if they are.
+    /// Displacement of the pulleys from robot.json, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawing: Option<DrawingDocument>,
     /// Test of the original model, all readings together.
@@ -41,12 +42,12 @@ pub struct DiagnosisDocument {
     pub groups: Vec<GroupTestDocument>,
     /// Tests of the extended model; it equals the original one if there are no findings.
     pub extended: ExtendedDocument,
-    /// What is left beside the causes; absent in old files.
+    /// Unexplained part of the residuals; absent in old files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<RemainderDocument>,
     /// Dependences that remain with the extended model.
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
-    /// By what the parts scatter; absent in old files, in which all parts counted as exact.
+    /// Scatter of the parts; absent in old files, in which all parts counted as exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<ToleranceFactor>,
     /// Noise that differs from robot.json.
@@ -62,7 +63,7 @@ pub struct SlackDocument {
     pub target: String,
     /// Labels of the poses.
     pub poses: Vec<i64>,
-    /// By how much the readings were too long there, at least and at most (m); null where a force sensor tells the poses.
+    /// Smallest and largest excess of the readings at these poses (m); null if a force sensor tells the poses.
     pub excess_m: Option<[f64; 2]>,
     /// Log odds over other causes; below 0 its readings are not left out.
     pub log_odds: f64,
@@ -85,7 +86,7 @@ pub struct DrawingDocument {
     pub stated_sd: f64,
     /// Displacement of each pulley (m).
     pub displacements_m: Vec<[f64; 3]>,
-    /// By how far the platform is off with the places of robot.json (m, root mean square); null where it is not determined.
+    /// Root mean square error of the platform with the places of robot.json (m); null where it is not determined.
     pub worth_m: Option<f64>,
 }
 
@@ -118,7 +119,7 @@ pub struct GroupTestDocument {
 /// Tests of the extended model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ExtendedDocument {
-    /// Whether it explains the data.
+    /// Whether the extended model explains the data.
     pub adequate: bool,
     /// Test of all readings together.
     pub global_test: GlobalTestDocument,
@@ -126,16 +127,16 @@ pub struct ExtendedDocument {
     pub groups: Vec<GroupTestDocument>,
 }
 
-/// What is left beside the causes: no finding of its own.
+/// Part of the residuals that the causes do not explain, but which is not a finding of its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RemainderDocument {
     /// Root mean square of all residuals of the extended model over what noise alone gives; null without redundancy.
     pub rms_over_sd: Option<f64>,
-    /// Where it is, the strongest first.
+    /// Readings concerned, the strongest dependence first.
     pub readings: Vec<RemainingReadingDocument>,
 }
 
-/// Readings in which something is left.
+/// Readings whose residuals still depend on a variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RemainingReadingDocument {
     /// Kind of reading.
@@ -181,16 +182,16 @@ pub struct PointDocument {
 pub struct FindingDocument {
     /// Certainty of the cause.
     pub verdict: Verdict,
-    /// What was found.
+    /// Subject of the finding.
     #[serde(flatten)]
     pub subject: SubjectDocument,
     /// The cause as a sentence for a technician.
     pub cause: String,
-    /// What to do in the workshop.
+    /// Advice for the workshop.
     pub advice: String,
     /// Posterior probability of the cause; it and its alternatives are mutually exclusive.
     pub probability: f64,
-    /// Causes that the data cannot separate from it, the likeliest first.
+    /// Causes that the data cannot separate from this one, most probable first.
     pub alternatives: Vec<AlternativeDocument>,
     /// Parameters of the cause.
     pub parameters: Vec<ParameterDocument>,
@@ -198,11 +199,11 @@ pub struct FindingDocument {
     pub evidence: EvidenceDocument,
     /// Improvement at held-out poses, in addition to the findings before it.
     pub gain: GainDocument,
-    /// Further poses that would separate it from its alternatives, the most informative first.
+    /// Further poses that would separate the cause from its alternatives, the most informative first.
     pub separating_poses: Vec<PoseDocument>,
     /// Difference in chi-square expected between the two best causes once these poses are measured.
     pub separating_delta_chi2: Option<f64>,
-    /// Advice on how to separate it from its alternatives.
+    /// Advice on how to separate the cause from its alternatives.
     pub separating_advice: Option<String>,
 }
 
@@ -277,7 +278,7 @@ pub enum ErrorFormDocument {
 pub struct ParameterDocument {
     /// Name of the parameter.
     pub name: String,
-    /// Cable whose parameter it is, where each has its own.
+    /// Cable of the parameter, if each cable has its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
     /// Value (SI).

@@ -1,11 +1,11 @@
-//! The readings that show a cause best, over the variable on which it depends: their partial residuals, and what the cause
-//! explains of them.
+//! The readings that show a cause best, over the variable on which it depends: their partial residuals, and the contribution of
+//! the cause.
 //!
-//! A partial residual is that of the model with the cause, plus what the cause contributes to the prediction, with its sign
+//! A partial residual is that of the model with the cause, plus the contribution of the cause to the prediction, with its sign
 //! reversed (Larsen and McCleary 1972). Geometry, poses and all other causes stay as they were estimated with the cause: a fit
-//! without it would move them and hide part of it. Only tensions, which belong to a single pose, are found again. Where the
-//! contribution depends on more than the variable, as creep on the length, its average over them is put back, so that the
-//! points scatter about the line of the cause as the residuals do about zero.
+//! without it would move them and hide part of it. Only tensions, which belong to a single pose, are estimated again. Where the
+//! contribution depends on more than the variable, as creep on the length, its average over the other variables is put back, so
+//! that the points scatter about the line of the cause as the residuals do about zero.
 
 use tautline_core::diagnosis::{Cause, Finding, Quantity, Subject, UnmodelledError, Variables};
 use tautline_core::effect::{BoundEffect, Search};
@@ -30,7 +30,7 @@ pub struct Evidence {
     pub figure: Figure,
 }
 
-/// The evidence of each finding; of an unknown cause the residuals that have the error. `None` where channels are exchanged.
+/// The evidence of each finding; for an unknown cause the residuals with the error. `None` if channels are exchanged.
 #[must_use]
 pub fn evidence(diagnosed: &Diagnosed) -> Vec<Option<Evidence>> {
     let findings = &diagnosed.diagnosis.findings;
@@ -58,7 +58,7 @@ fn of_error(diagnosed: &Diagnosed, dataset: &Dataset, error: &UnmodelledError) -
         .filter_map(residual)
         .filter(|(group, ..)| is_its(*group))
         .collect();
-    // An error of all cables shows best on one.
+    // An error of all cables is shown on the cable with the largest residuals.
     let sizes = residuals.iter().map(|(group, _, size)| (*group, *size));
     let group = largest(sizes)?;
     residuals.retain(|(of, ..)| *of == group);
@@ -94,7 +94,7 @@ fn largest(
     largest.map(|(group, _)| group)
 }
 
-/// The variable over which readings are shown, `own` if they have it, with its values by row.
+/// The variable over which readings are shown, `own` if it applies to them, with its values by row.
 fn variable_of(
     problem: &Problem<'_>,
     solution: &Solution,
@@ -113,7 +113,7 @@ fn variable_of(
     all.find_map(|variable| Some((variable, variables.values(quantity, cable, variable)?)))
 }
 
-/// A reading with a cause, and what the cause explains of it (standard deviations).
+/// A reading with a cause, and the contribution of the cause to it (standard deviations).
 struct ExplainedReading {
     quantity: Quantity,
     cable: Option<usize>,
@@ -221,7 +221,7 @@ impl<'a> Explained<'a> {
     }
 }
 
-/// The problem that has a solution of a diagnosis; `None` where channels are exchanged, so that the readings differ.
+/// The problem of a diagnosis whose solution is given; `None` if channels are exchanged, because the readings then differ.
 pub(super) fn problem_of<'a>(
     diagnosed: &Diagnosed,
     dataset: &'a Dataset,
@@ -239,7 +239,7 @@ pub(super) fn problem_of<'a>(
     Some(problem.at_poses_of(&diagnosed.diagnosis.base_solution))
 }
 
-/// The problem and the solution with some of the free effects, by their indices, and everything else as it is.
+/// The problem and the solution with only some of the free effects, given by their indices.
 fn without_effects<'a>(
     problem: &Problem<'a>,
     solution: &Solution,
@@ -267,7 +267,7 @@ fn without_effects<'a>(
     (rest, at)
 }
 
-/// Whether two effects are one and the same of a solution.
+/// Whether two effects of a solution have the same identifier, cables and values.
 fn is_same(one: &BoundEffect, other: &BoundEffect) -> bool {
     one.effect.id() == other.effect.id() && one.cables == other.cables && one.values == other.values
 }

@@ -26,7 +26,7 @@ impl Diagnosed {
         }
     }
 
-    /// What else it may be, each with its probability; `None` if the cause is named.
+    /// Alternatives to the cause, each with its probability; `None` if the cause is named.
     #[must_use]
     pub fn otherwise(&self, finding: &Finding) -> Option<String> {
         if finding.verdict() != Verdict::Ambiguous {
@@ -53,7 +53,7 @@ impl Diagnosed {
         ))
     }
 
-    /// How to decide between the causes of a finding, or to be sure of a probable one: a heading, and the poses to measure
+    /// Measurements that decide between the causes of a finding, or confirm a probable one: a heading, and the poses to measure
     /// and the checks in the workshop. `None` if the cause is named or unknown.
     #[must_use]
     pub fn decides(&self, finding: &Finding) -> Option<(&'static str, String)> {
@@ -92,7 +92,7 @@ impl Diagnosed {
         (!each.is_empty()).then(|| format!("Possible, but not established: {}.", list(&each)))
     }
 
-    /// The effects of a cause as a model takes them.
+    /// The effects of a cause as settings of a model.
     #[must_use]
     pub fn settings(&self, cause: &Cause) -> Vec<EffectSetting> {
         let instances = cause.instances.iter();
@@ -121,7 +121,7 @@ impl Diagnosed {
     }
 }
 
-/// Whether held-out poses are predicted better: by more than is rounded away, and more than chance may do.
+/// Whether held-out poses are predicted better: visibly after rounding, and significantly.
 #[must_use]
 pub fn is_improvement(gain: &Gain) -> bool {
     ratio(gain.before) != ratio(gain.after) && gain.interval[0] > 0.0

@@ -1,4 +1,4 @@
-//! What is wrong besides causes of the catalogue, in words: the readings, and the drawing.
+//! Sentences on faults besides causes of the catalogue: mistakes in the readings, a wrong drawing, a slack cable.
 
 use tautline_core::diagnosis::{DrawingPattern, SlackCable, WrongDrawing};
 
@@ -6,13 +6,13 @@ use super::Diagnosed;
 use crate::wording::units::{mm, significant, with_sd};
 use crate::wording::{list, sentence};
 
-/// Odds from which nothing else is said to be possible: those of a name.
+/// Odds above which no other possibility is mentioned: those of a named cause.
 const CERTAIN_ODDS: f64 = 19.0;
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Diagnosed {
-    /// What is wrong besides causes of the catalogue: for each kind a heading, and sentences, the last of which says what to do.
+    /// Faults besides causes of the catalogue: for each kind a heading, and sentences, the last of which is advice.
     #[must_use]
     pub fn gross(&self) -> Vec<(&'static str, Vec<String>)> {
         let mut found = Vec::new();

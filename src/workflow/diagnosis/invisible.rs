@@ -5,7 +5,7 @@ use tautline_core::diagnosis::Invisible;
 use super::Diagnosed;
 use crate::wording::units::{range, unit_of};
 
-/// Everything that the data cannot reveal of one effect, in one unit.
+/// Parameters of one effect, in one unit, that the data cannot reveal.
 struct Group<'a> {
     effect: &'static str,
     unit: &'static str,

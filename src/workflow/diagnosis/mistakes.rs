@@ -1,18 +1,18 @@
-//! Mistakes in the readings that a check finds, undone before a diagnosis: no linear comparison of causes finds what is wrong by
-//! a factor of two or by a whole turn.
+//! Mistakes in the readings that a check finds, undone before a diagnosis: the linear comparison of causes cannot find errors
+//! by a factor of two or by a whole turn.
 
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::measurement::Dataset;
 use tautline_import::{Mistake, Suggestion, check_table};
 
-/// Largest number of rounds: some mistakes show only when others are undone.
+/// Largest number of rounds: some mistakes show only after others are corrected.
 const ROUNDS: usize = 5;
 /// Effect of a model that states exchanged channels.
 const EXCHANGED: &str = "cable_swap";
-/// Effects that estimate what an alignment leaves of another frame and of another point on the platform.
+/// Effects that estimate the remaining error of an alignment: of the frame and of the point on the platform.
 const OF_ALIGNMENT: [&str; 3] = ["tracker_frame", "tracker_target", "tracker_tilt"];
 
-/// A dataset with the mistakes undone, and these; `None` if there are none.
+/// A dataset with the mistakes corrected, and the mistakes; `None` if there are none.
 pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Suggestion>)> {
     let mut corrected = dataset.clone();
     let mut undone: Vec<Suggestion> = Vec::new();
@@ -53,8 +53,8 @@ pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Sugges
     (!undone.is_empty()).then_some((corrected, undone))
 }
 
-/// Whether a diagnosis undoes a mistake. Steps of a few millimetres are causes that it finds itself, with their uncertainty; what
-/// follows from the mass of the platform only may be a wrong mass.
+/// Whether a diagnosis undoes a mistake. Not so steps of a few millimetres, which are causes that the diagnosis finds itself
+/// with their uncertainty, nor mistakes that follow only from the mass of the platform: the mass may be wrong.
 fn is_undone(one: &Suggestion) -> bool {
     !one.by_mass && !matches!(one.mistake, Mistake::EncoderStep | Mistake::ClockJump)
 }

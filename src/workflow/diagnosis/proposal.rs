@@ -1,4 +1,4 @@
-//! Where an effect of a session's model comes from.
+//! Origin of an effect in a session's model.
 
 use serde_json::Value;
 use tautline_core::effect::EffectSetting;
@@ -11,7 +11,7 @@ use super::DiagnosisDocument;
 pub struct Proposal {
     /// Time of the diagnosis.
     pub time: Timestamp,
-    /// Probability that it gave to the effect.
+    /// Probability of the effect according to the diagnosis.
     pub probability: f64,
 }
 
@@ -35,7 +35,7 @@ pub fn proposal(session: &Session, effect: &EffectSetting) -> Option<Proposal> {
     })
 }
 
-/// Whether a cause of a document is this effect; one on several cables is an effect of each.
+/// Whether a cause of a document contains this effect; a cause on several cables is an effect on each of them.
 fn is_of(cause: &Value, effect: &EffectSetting) -> bool {
     let targets = cause["targets"].as_array().map_or(&[][..], Vec::as_slice);
     let has = |name: &String| targets.iter().any(|target| target == name.as_str());

@@ -1,4 +1,4 @@
-//! The verdict on a model, its noise and what remains unexplained, in words.
+//! The verdict on a model, its noise and the unexplained dependences, in words.
 
 use tautline_core::diagnosis::{Adequacy, GlobalTest, NoiseStatement, Quantity, ToleranceFactor};
 
@@ -47,7 +47,7 @@ pub fn adequacy(adequacy: &Adequacy) -> String {
 }
 
 impl Diagnosed {
-    /// Whether the model explains the readings.
+    /// Heading: goodness of fit of the model, with reasons to doubt it.
     #[must_use]
     pub fn headline(&self) -> String {
         let doubt = match self.diagnosis.extended_solution.converged() {
@@ -64,7 +64,7 @@ impl Diagnosed {
         )
     }
 
-    /// How many mistakes in the readings are undone; `None` if there are none.
+    /// Number of mistakes in the readings that are undone, in words; `None` if there are none.
     fn mistakes_in_words(&self) -> Option<String> {
         match self.mistakes.len() {
             0 => None,
@@ -73,7 +73,7 @@ impl Diagnosed {
         }
     }
 
-    /// Whether the parts lie within their tolerances, and by what they scatter.
+    /// Sentences on the scatter of the parts relative to their tolerances.
     fn tolerances_line(&self) -> String {
         let diagnosis = &self.diagnosis;
         let ToleranceFactor { factor, are_stated } = diagnosis.tolerances;
@@ -109,7 +109,7 @@ impl Diagnosed {
         }
     }
 
-    /// Whether the model explains the readings, without the robot's name; `not` is written if it does not.
+    /// Sentence on whether the model explains the readings, without the robot's name; `not` is the word for "not".
     #[must_use]
     pub fn judgement(&self, not: &str) -> String {
         let diagnosis = &self.diagnosis;
@@ -162,7 +162,7 @@ impl Diagnosed {
         findings.filter(|finding| finding.cause().is_some()).count()
     }
 
-    /// Whether the findings make the residuals smaller, after rounding.
+    /// Whether the ratio of the residuals to the noise differs with the findings, after rounding.
     fn comes_closer(&self) -> bool {
         let of = |adequacy: &Adequacy| residual_ratio(&adequacy.global).map(ratio);
         of(&self.diagnosis.extended) != of(&self.diagnosis.base)
@@ -216,7 +216,7 @@ impl Diagnosed {
         format!("{readings} have {only}{ratio} times the stated noise ({from} to {to}): {advice}.")
     }
 
-    /// What remains with the extended model, in a sentence for each kind of reading and cable.
+    /// Remaining dependences with the extended model, one sentence for each kind of reading and cable.
     #[must_use]
     pub fn remaining_lines(&self) -> Vec<String> {
         let left = &self.diagnosis.remaining;

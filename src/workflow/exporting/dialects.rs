@@ -1,4 +1,4 @@
-//! A model as a text of another program, and how much of the model the text expresses.
+//! A model as a text of another program, and the error of the text.
 
 use tautline_core::kinematics::{LengthBreakdownError, effective_geometry};
 use tautline_core::projection::ExpectedLengths;
@@ -11,10 +11,10 @@ use crate::identification::{FitVerdict, Identification, effects_title, without_e
 
 /// Number of poses of the workspace at which model and text are compared.
 const POSES: usize = 100;
-/// Smallest part of the error of a text that is said of one cause (m), and relative to the whole.
+/// Smallest part of the error of a text that is attributed to one cause (m), and relative to the whole.
 const LEAST_PART: [f64; 2] = [5e-5, 0.1];
 
-/// Why a model cannot be written.
+/// Errors of writing a model as a text of another program.
 #[derive(Debug, thiserror::Error)]
 pub enum DialectError {
     /// The text of the user, or a new one, cannot be read.
@@ -41,13 +41,13 @@ pub enum DialectError {
 /// A number that is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenValue {
-    /// The number in the text as it was.
+    /// The number in the original text.
     pub parameter: Parameter,
-    /// Value as it is written.
+    /// The written value.
     pub new: String,
     /// Standard deviation in the unit of the text, if it is known.
     pub sd: Option<f64>,
-    /// What the value follows from.
+    /// Origin of the value.
     pub reason: String,
 }
 
@@ -58,17 +58,17 @@ pub struct DialectText {
     pub text: String,
     /// The numbers that differ from those in the user's text; all in a new one.
     pub values: Vec<WrittenValue>,
-    /// Error of the user's text as it is.
+    /// Error of the original text of the user.
     pub before_m: Option<f64>,
-    /// Error of the text that is written, by what it cannot express.
+    /// Error of the written text: the part of the model that it cannot express.
     pub after_m: f64,
     /// Standard deviation of the position of the model itself, if it was identified from measurements.
     pub model_sd_m: Option<f64>,
-    /// What the text cannot express, with its part of the error, the largest first.
+    /// Effects that the text cannot express, each with its part of the error, largest first.
     pub inexpressible: Vec<(String, f64)>,
-    /// Effects of the model of which a text of geometry has only what they change at home.
+    /// Effects of which the text has only the change of the geometry at home.
     pub at_home_only: Vec<String>,
-    /// Whether the standard deviations of the model are valid, or too small, as it does not explain the readings.
+    /// Whether the standard deviations of the model are valid; they are too small if the model does not explain the readings.
     pub sd_holds: bool,
 }
 
@@ -81,7 +81,7 @@ impl DialectText {
         changed.map(|(new, _)| format!("{new}\n")).collect()
     }
 
-    /// Expected errors and what the text cannot express, in sentences.
+    /// Sentences on expected errors and effects that the text cannot express.
     #[must_use]
     pub fn loss_in_words(&self) -> String {
         let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);
@@ -222,7 +222,7 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// The robot of another version of the text, driven as the model is.
+    /// The robot of a changed text, with the drive of the model.
     fn robot_of(&self, text: &str) -> Result<Robot, DialectError> {
         let read = (self.dialect.read)(self.file, text)?;
         Ok(driven_as(&self.model, self.dialect, read.robot))
@@ -234,7 +234,7 @@ impl<'a> Target<'a> {
         self.robot_of(&self.read.text_with(self.text, values, &exact))
     }
 
-    /// What a model expects, and the values near `start` with which the text errs least, with the error (m).
+    /// The lengths predicted by a model, the values near `start` for which the text has the smallest error, and that error (m).
     fn best(
         &self,
         model: &Robot,

@@ -53,7 +53,7 @@ impl TableFormat {
         }
     }
 
-    /// Whether a file holds several tables.
+    /// Whether one file can contain several tables.
     #[must_use]
     pub fn holds_several(self) -> bool {
         self == Self::Matlab

@@ -9,7 +9,7 @@ use crate::diagnosis::{GainDocument, ParameterDocument};
 use crate::wording::list;
 use crate::wording::units::with_sd;
 
-/// What unexplained errors look like.
+/// Formulas that describe unexplained errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FormulasDocument {
     /// The errors that no cause explains, as sentences; empty if there are none.
@@ -35,7 +35,7 @@ pub struct PatternDocument {
     pub parameters: Vec<ParameterDocument>,
     /// Improvement at held-out poses; null for all but the likeliest of an error.
     pub gain: Option<GainDocument>,
-    /// The text of a hypothesis file with it.
+    /// The text of a hypothesis file with the formula.
     pub hypothesis: String,
 }
 

@@ -1,5 +1,5 @@
-//! The formulas that are tried: a size with a unit times at most two factors out of the circumstances on which a reading may
-//! depend, their absolute values, and periods of the motor.
+//! The candidate formulas: a size with a unit times at most two factors, which are circumstances on which a reading may depend,
+//! their absolute values, or periods of the motor.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ const LENGTH_M: [f64; 2] = [1e-4, 1e-2];
 const TENSION_N: [f64; 2] = [0.3, 30.0];
 /// Periods of a motor revolution that are tried.
 const PERIODS: [usize; 6] = [1, 2, 3, 4, 6, 8];
-/// How identifiers of formulas begin.
+/// Prefix of the identifiers of formulas.
 pub const PATTERN: &str = "pattern_";
 
 /// A kind of reading whose error a formula may describe.
@@ -28,7 +28,7 @@ pub enum Reading {
 }
 
 impl Reading {
-    /// That of a quantity; `None` for instruments whose errors no formula describes.
+    /// The kind for a quantity; `None` for instruments whose errors no formula describes.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         match quantity {
@@ -39,7 +39,7 @@ impl Reading {
         }
     }
 
-    /// What a hypothesis changes, and its unit.
+    /// Quantity that a formula changes, and its unit.
     fn target(self) -> (&'static str, &'static str) {
         match self {
             Self::Length => ("paid", "m"),
@@ -128,7 +128,7 @@ pub fn formulas(reading: Reading, dataset: &Dataset, solution: &Solution) -> Vec
             ));
         }
     }
-    // Changing a quantity by a share of itself is in the catalogue.
+    // The catalogue has the effect that changes a quantity by a share of itself.
     found.retain(|formula| formula.expression != target);
     found
 }

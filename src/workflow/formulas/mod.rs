@@ -1,4 +1,4 @@
-//! What an unexplained error looks like: formulas from a small grammar, weighed by the evidence of the model doctor.
+//! Formulas for unexplained errors, from a small grammar and weighed by the evidence of the model doctor.
 //!
 //! Each formula is a hypothesis, as a user would write one; the doctor weighs them beside the catalogue. A formula is a pattern,
 //! never a cause: a person names it.
@@ -20,12 +20,12 @@ use crate::diagnosis::{Diagnosed, DiagnosisDocument, FindingDocument};
 pub use document::{FormulasDocument, PatternDocument};
 pub use grammar::{Formula, PATTERN, Reading, formulas};
 
-/// Formulas of one round that take part in the last one.
+/// Number of formulas of each part of a round that take part in the next round.
 const KEPT: usize = 12;
-/// Most formulas that are listed.
+/// Largest number of formulas that are listed.
 const LISTED: usize = 8;
 
-/// What the unexplained errors of a diagnosis look like.
+/// Formulas for the unexplained errors of a diagnosis.
 #[derive(Debug)]
 pub struct FoundFormulas {
     /// The diagnosis with the formulas.
@@ -34,7 +34,7 @@ pub struct FoundFormulas {
     pub formulas: HashMap<String, Formula>,
 }
 
-/// Kinds of readings with an error that no cause explains, or perhaps none does.
+/// Kinds of readings with an unmodelled error, as a finding or as an alternative of one.
 #[must_use]
 pub fn unexplained(diagnosed: &Diagnosed) -> Vec<Reading> {
     let mut found = Vec::new();
@@ -51,7 +51,7 @@ pub fn unexplained(diagnosed: &Diagnosed) -> Vec<Reading> {
     found
 }
 
-/// The errors that no cause explains, or perhaps none does, as sentences.
+/// Unmodelled errors, as findings or as alternatives, in sentences.
 #[must_use]
 pub fn unexplained_sentences(diagnosed: &Diagnosed) -> Vec<String> {
     let findings = diagnosed.diagnosis.findings.iter();
@@ -98,7 +98,7 @@ pub fn find_formulas(
             let diagnosed = with(before, some, observe)?;
             best.extend(ranked(&diagnosed, some).into_iter().take(KEPT));
         }
-        // Fewer in each round, whatever is kept of each part.
+        // Guarantees that each round has fewer formulas.
         if best.len() >= round.len() {
             best.truncate(room);
         }
@@ -120,14 +120,14 @@ fn with(
     let mut dataset = Dataset::clone(&before.dataset);
     for formula in formulas {
         if let Ok(hypothesis) = Hypothesis::parse(&formula.text) {
-            // One that the robot knows already, or has no room for, is left out.
+            // A hypothesis that the robot knows already, or has no room for, is left out.
             let _ = dataset.robot.add_hypothesis(&hypothesis);
         }
     }
     diagnose_dataset(Arc::new(dataset), (before.alpha, before.limit_s), observe)
 }
 
-/// Formulas by their probability in a diagnosis, those that no finding has left out.
+/// Formulas in the order of their probability in a diagnosis, without those that are in no finding.
 fn ranked(diagnosed: &Diagnosed, formulas: &[Formula]) -> Vec<Formula> {
     let document = diagnosed.document();
     let mut found: Vec<(f64, &Formula)> = Vec::new();

@@ -8,15 +8,15 @@ use super::{Baseline, Checked};
 use crate::history::Changed;
 use crate::readiness::{CheckItem, ReadinessDocument};
 
-/// Whether a robot is as it was.
+/// Verdict of a check on changes of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HealthVerdict {
     /// No change is visible.
     Unchanged,
-    /// Something changed with at least 95 % probability.
+    /// A change is certain, with at least 95 % probability.
     Changed,
-    /// These poses do not decide it.
+    /// These poses leave it undecided.
     Undecided,
 }
 
@@ -25,7 +25,7 @@ pub enum HealthVerdict {
 pub struct DetectableMove {
     /// Name of its cable.
     pub cable: String,
-    /// Move in a random direction that is found with 95 % probability (m); null if none is.
+    /// Move in a random direction that is detected with 95 % probability (m); null if no move is.
     pub move_m: Option<f64>,
 }
 
@@ -36,19 +36,19 @@ pub struct HealthDocument {
     pub robot: String,
     /// Whether the readings are complete and plausible.
     pub ready: bool,
-    /// What was checked of the readings.
+    /// Checks of the readings.
     pub checks: Vec<CheckItem>,
-    /// When the baseline was measured; null if unknown.
+    /// Time of the baseline measurement; null if unknown.
     pub baseline_time: Option<Timestamp>,
-    /// Whether the robot is as it was.
+    /// Verdict on changes of the robot.
     pub verdict: HealthVerdict,
     /// Posterior probability that nothing changed.
     pub probability_unchanged: f64,
-    /// What changed or may have changed.
+    /// Certain and possible changes.
     pub changes: Vec<Changed>,
     /// The smallest moves that this check finds.
     pub detectable: Vec<DetectableMove>,
-    /// Positions (m) and orientations (w, x, y, z) of poses to measure besides, if it is undecided.
+    /// Positions (m) and orientations (w, x, y, z) of further poses to measure, if the check is undecided.
     pub more_poses: Vec<([f64; 3], [f64; 4])>,
 }
 

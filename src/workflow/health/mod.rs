@@ -1,4 +1,4 @@
-//! The health check: few poses that say whether a robot is as it was at its calibration.
+//! The health check: few poses that show whether a robot has changed since its calibration.
 
 mod document;
 mod words;
@@ -7,7 +7,7 @@ use tautline_core::comparison::Identified;
 use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::geometry::Pose;
-use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, Part, check};
+use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, RobotPart, check};
 use tautline_core::measurement::Dataset;
 use tautline_core::planning::{Plan, PlanOptions, plan};
 use tautline_core::robot::{PerAxis, Robot};
@@ -21,16 +21,16 @@ use crate::identification::{
 pub use document::{DetectableMove, HealthDocument, HealthVerdict};
 pub use words::verdict_sentences;
 
-/// Number of poses of a check if nothing else is said.
+/// Default number of poses of a check.
 pub const POSES: usize = 8;
 /// Number of poses that are proposed where a check is undecided.
 const MORE_POSES: usize = 2;
-/// Prior standard deviations of a coordinate of a pulley in the fits of the check (m): first wider than what one moves by, then
-/// about the place that baseline and check together give. The comparison is linear, so that both must be solved near the same
-/// place; it takes the prior out again.
+/// Prior standard deviations of a coordinate of a pulley in the fits of the check (m): first wider than usual moves, then
+/// around the place estimated from baseline and check together. The comparison is linear, so that both must be solved near the
+/// same place; it removes the prior again.
 const PRESENT_SD_M: [f64; 2] = [10e-3, 2e-3];
-/// Most samples that are used of a recording in motion: with many more than the poses of a baseline, what the linear comparison
-/// neglects would exceed the noise.
+/// Largest number of samples that are used of a recording in motion: with many more than the poses of a baseline, the errors of
+/// the linear comparison would exceed the noise.
 const MOST_SAMPLES: usize = 60;
 /// Probability with which a stated detectable move is found.
 const FOUND: f64 = 0.95;
@@ -38,13 +38,13 @@ const FOUND: f64 = 0.95;
 /// The calibration that a robot is checked against.
 #[derive(Debug, Clone)]
 pub struct Baseline {
-    /// What was identified.
+    /// Result of the identification.
     pub identification: Identification,
-    /// When its poses were read, if known.
+    /// Time of the readings, if known.
     pub time: Option<Timestamp>,
-    /// Its name, for sentences without a date.
+    /// Name of the session, for sentences without a date.
     pub name: String,
-    /// Whether values were written to the controller in it.
+    /// Whether values were written to the controller in the session.
     pub adjusted: bool,
 }
 
@@ -53,17 +53,17 @@ pub struct Baseline {
 pub struct Checked {
     /// The few poses with the fit to them alone.
     pub identification: Identification,
-    /// What changed since the baseline.
+    /// Changes since the baseline.
     pub found: HealthCheck,
-    /// What it comes to.
+    /// Verdict on changes of the robot.
     pub verdict: HealthVerdict,
     /// The smallest move of each pulley that would have been found, in the order of the cables.
     pub detectable: Vec<DetectableMove>,
-    /// Poses to measure besides, if it is undecided.
+    /// Further poses to measure, if the check is undecided.
     pub more_poses: Vec<Pose>,
 }
 
-/// Why a robot cannot be checked.
+/// Errors of the check of a robot.
 #[derive(Debug, thiserror::Error)]
 pub enum HealthError {
     /// The baseline or the check cannot be identified.
@@ -91,8 +91,8 @@ impl Baseline {
         })
     }
 
-    /// The robot as it is expected to be: as the check describes it, with the identified pulleys and target plane. Where the
-    /// pulleys are now is open.
+    /// The expected robot: as the check describes it, with the identified pulleys and target plane. The check estimates the
+    /// present places of the pulleys.
     fn expected(&self, described: &Robot) -> Robot {
         let solution = &self.identification.solution;
         let is_estimated = |id: ParameterId| solution.parameters.iter().any(|p| p.id == id);
@@ -148,8 +148,8 @@ impl Baseline {
             .map(|bound| bound.setting(robot))
             .collect();
         let mut checked = self.checked(&expected, &effects, time)?;
-        // The tolerance of a part holds the fit back from a change beyond it, and the comparison is linear: what is certain is
-        // estimated freely.
+        // The tolerance of a part prevents the fit from following a change beyond it, and the comparison is linear: a certain
+        // change is estimated freely.
         if let Some(effect) = checked.certain_effect() {
             let effects = [effects, vec![effect.clone()]].concat();
             let freed = self.checked(&expected, &effects, time)?;
@@ -248,23 +248,23 @@ impl Checked {
     #[must_use]
     pub fn detection(&self, cable: &str, move_m: f64) -> Option<f64> {
         let robot = &self.identification.dataset.robot;
-        let pulley = Part::Pulley(robot.cable_index(cable)?);
+        let pulley = RobotPart::Pulley(robot.cable_index(cable)?);
         let mut parts = self.found.history.parts.iter();
         let part = parts.position(|part| *part == pulley)?;
         self.found.detection(part, move_m)
     }
 
-    /// The change that is certain by itself, if one is.
+    /// The single change that is certain, if there is one.
     #[must_use]
     pub fn certain(&self) -> Option<&Jump> {
         let mut jumps = self.found.history.jumps.iter();
         jumps.find(|jump| jump.probability >= CERTAIN)
     }
 
-    /// The effect that has certainly changed, if it is one: as large as it is now.
+    /// The effect that has certainly changed, if the certain change is one, with its present size.
     fn certain_effect(&self) -> Option<EffectSetting> {
         let jump = self.certain()?;
-        let Part::Effect {
+        let RobotPart::Effect {
             effect,
             targets,
             parameter,
@@ -280,7 +280,7 @@ impl Checked {
         })
     }
 
-    /// Whether something changed, but these poses cannot tell what.
+    /// Whether a change is certain, but these poses cannot tell which part changed.
     fn is_unnamed(&self) -> bool {
         self.verdict == HealthVerdict::Changed && self.certain().is_none()
     }
@@ -292,7 +292,7 @@ impl Checked {
     }
 }
 
-/// Puts pulleys and target plane where baseline and check together have them.
+/// Places pulleys and target plane as estimated from baseline and check together.
 fn place(robot: &mut Robot, found: &HealthCheck) {
     let history = &found.history;
     for (part, of) in history.parts.iter().enumerate() {
@@ -300,7 +300,7 @@ fn place(robot: &mut Robot, found: &HealthCheck) {
             continue;
         };
         match of {
-            Part::Pulley(cable) => {
+            RobotPart::Pulley(cable) => {
                 let pulley = &mut robot.cables[*cable].pulley;
                 let mut sd = pulley.entry_point_sd_m.each();
                 for (axis, value) in history.axes[part].iter().zip(now.value.iter()) {
@@ -309,12 +309,12 @@ fn place(robot: &mut Robot, found: &HealthCheck) {
                 }
                 pulley.entry_point_sd_m = PerAxis::Each(sd);
             }
-            Part::TargetPlane => {
+            RobotPart::TargetPlane => {
                 if let Some(laser) = &mut robot.laser {
                     laser.target_plane.offset_m = now.value[0];
                 }
             }
-            Part::Effect { .. } => {}
+            RobotPart::Effect { .. } => {}
         }
     }
 }
@@ -335,7 +335,7 @@ fn verdict(found: &HealthCheck, identification: &Identification) -> HealthVerdic
     let is_explained = FitVerdict::of(identification.solution.p_value()).holds();
     let is_in_motion = identification.dataset.measurements.rates.is_some();
     match (is_explained, history.jumps.is_empty()) {
-        // What the model of motion lacks is no change of the robot.
+        // A defect of the model of motion is not a change of the robot.
         (false, _) if is_in_motion => HealthVerdict::Undecided,
         (false, _) => HealthVerdict::Changed,
         (true, _) if history.unchanged <= 1.0 - CERTAIN => HealthVerdict::Changed,
@@ -347,7 +347,7 @@ fn verdict(found: &HealthCheck, identification: &Identification) -> HealthVerdic
 fn detectable(found: &HealthCheck, robot: &Robot) -> Vec<DetectableMove> {
     let parts = 0..found.history.parts.len();
     let moves = parts.filter_map(|part| {
-        let Part::Pulley(cable) = found.history.parts[part] else {
+        let RobotPart::Pulley(cable) = found.history.parts[part] else {
             return None;
         };
         let has_coordinates = !found.history.axes[part].is_empty();
@@ -359,7 +359,7 @@ fn detectable(found: &HealthCheck, robot: &Robot) -> Vec<DetectableMove> {
     moves.collect()
 }
 
-/// The poses that most improve the geometry that the check leaves open; none if the robot holds no others.
+/// The poses that most improve the geometry that is uncertain after the check; none if the robot can hold no others.
 fn more_poses(identification: &Identification, method: Method) -> Vec<Pose> {
     let dataset = &identification.dataset;
     let options = PlanOptions {

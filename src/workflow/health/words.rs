@@ -9,10 +9,10 @@ use crate::wording::probability::percent;
 use crate::wording::sentence;
 use crate::wording::units::{mm, quantity};
 
-/// Most changes that are listed where it is open which one it is.
+/// Largest number of alternatives that are listed for a change.
 const LISTED: usize = 4;
 
-/// What a check came to, the verdict first.
+/// Result of a check in sentences, the verdict first.
 #[must_use]
 pub fn verdict_sentences(baseline: &Baseline, checked: &Checked) -> Vec<String> {
     let since = baseline.time.map_or_else(
@@ -79,7 +79,7 @@ fn more(checked: &Checked) -> Option<String> {
     (!poses.is_empty()).then(|| format!("Measure besides: {}.", list(&poses)))
 }
 
-/// What the check would have found, by its best and its worst pulley.
+/// Sentence on the smallest detectable moves, of the best and of the worst pulley.
 fn detectable(checked: &Checked) -> Option<String> {
     let moves = checked.detectable.iter();
     let mut seen: Vec<f64> = moves.clone().filter_map(|one| one.move_m).collect();

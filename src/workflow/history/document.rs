@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::history::{History, Jump, OUT_OF_TOLERANCE, Part};
+use tautline_core::history::{History, Jump, OUT_OF_TOLERANCE, RobotPart};
 use tautline_core::robot::Robot;
 use tautline_session::{Timestamp, VersionedFile};
 
@@ -14,11 +14,11 @@ use super::{RobotHistory, RobotRecord, Tolerance, days_after};
 pub struct HistoryDocument {
     /// The sessions in the order of time.
     pub sessions: Vec<HistorySession>,
-    /// What moved or changed between two sessions.
+    /// Jumps between two sessions.
     pub changes: Vec<ChangeDocument>,
-    /// What drifts steadily.
+    /// Steady drifts.
     pub drift: Vec<DriftDocument>,
-    /// When the next calibration is due; null without dates.
+    /// Date of the next calibration; null without dates.
     pub next_calibration: Option<NextCalibration>,
 }
 
@@ -27,7 +27,7 @@ pub struct HistoryDocument {
 pub struct HistorySession {
     /// Name of its file or folder.
     pub path: String,
-    /// When its poses were read; null if unknown.
+    /// Time of the readings; null if unknown.
     pub time: Option<Timestamp>,
     /// Entry points with all sessions taken into account (m), cable by cable; null for coordinates that are known exactly.
     pub entry_points_m: Vec<[Option<f64>; 3]>,
@@ -38,10 +38,10 @@ pub struct HistorySession {
 /// A part that moved or changed, and between which sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChangeDocument {
-    /// What changed.
+    /// Part that changed.
     #[serde(flatten)]
     pub changed: Changed,
-    /// Indices of sessions: it happened after the first and not after the second.
+    /// Indices of sessions: the change happened after the first and not after the second.
     pub between: [usize; 2],
 }
 
@@ -88,21 +88,21 @@ impl Changed {
     }
 }
 
-fn targets_of(part: &Part, robot: &Robot) -> Vec<String> {
+fn targets_of(part: &RobotPart, robot: &Robot) -> Vec<String> {
     match part {
-        Part::Pulley(cable) => vec![robot.cables[*cable].name.clone()],
-        Part::TargetPlane => Vec::new(),
-        Part::Effect { targets, .. } => targets.clone(),
+        RobotPart::Pulley(cable) => vec![robot.cables[*cable].name.clone()],
+        RobotPart::TargetPlane => Vec::new(),
+        RobotPart::Effect { targets, .. } => targets.clone(),
     }
 }
 
-/// Effect and parameter of a part that is one.
-fn effect_of(part: &Part) -> (Option<String>, Option<String>) {
+/// Effect and parameter of a part; `None` for pulleys and the target plane.
+fn effect_of(part: &RobotPart) -> (Option<String>, Option<String>) {
     match part {
-        Part::Effect {
+        RobotPart::Effect {
             effect, parameter, ..
         } => (Some(effect.clone()), Some(parameter.clone())),
-        Part::Pulley(_) | Part::TargetPlane => (None, None),
+        RobotPart::Pulley(_) | RobotPart::TargetPlane => (None, None),
     }
 }
 
@@ -138,7 +138,7 @@ pub struct DriftDocument {
     pub sd: Vec<f64>,
 }
 
-/// When the next calibration is due.
+/// Forecast of the next calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NextCalibration {
     /// Date; null if it is not due within ten years.
@@ -146,19 +146,20 @@ pub struct NextCalibration {
     /// 95 % interval of the date, as rates of drifts and jumps are not known exactly; null for an end that is not within ten years.
     #[serde(default)]
     pub interval: [Option<Timestamp>; 2],
-    /// Probability of being out of tolerance then.
+    /// Probability of being out of tolerance at that time.
     pub probability_out_of_tolerance: f64,
-    /// What has the tolerance.
+    /// Quantity that has the tolerance.
     #[serde(default)]
     pub tolerance_of: ToleranceOf,
     /// The tolerance (m).
     pub tolerance_m: f64,
-    /// Smallest and largest x, y, z of the volume in which the position has it (m); null for the workspace, and for pulleys.
+    /// Smallest and largest x, y, z of the volume in which the tolerance of the position holds (m); null for the workspace, and
+    /// for pulleys.
     #[serde(default)]
     pub volume_m: Option<[[f64; 3]; 2]>,
 }
 
-/// What has a tolerance until the next calibration.
+/// Quantity that has a tolerance until the next calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ToleranceOf {
@@ -170,7 +171,7 @@ pub enum ToleranceOf {
 }
 
 impl NextCalibration {
-    /// What was forecast after the last session of a record.
+    /// The forecast after the last session of a record.
     fn of(found: &RobotHistory, last: Timestamp) -> Option<Self> {
         let forecast = found.forecast?;
         let date = |days: Option<f64>| Some(days_after(last, days?));
@@ -222,7 +223,7 @@ impl HistoryDocument {
             let mut values = vec![[None; 3]; robot.cables.len()];
             let mut of_sd = values.clone();
             for (part, of) in history.parts.iter().enumerate() {
-                if let Part::Pulley(cable) = of {
+                if let RobotPart::Pulley(cable) = of {
                     let state = &history.states[part][index];
                     for (k, axis) in history.axes[part].iter().enumerate() {
                         values[*cable][*axis] = Some(state.value[k]);

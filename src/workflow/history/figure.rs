@@ -1,6 +1,6 @@
 //! The course of one part of a robot over the sessions of its record.
 
-use tautline_core::history::{CERTAIN, Part};
+use tautline_core::history::{CERTAIN, RobotPart};
 
 use super::{RobotHistory, RobotRecord, Tolerance, days_between, part_name, unit_of};
 use crate::identification::entry_point_covariance;
@@ -17,16 +17,16 @@ const LOOKS: [(Ink, Marker); 3] = [
     (Ink::Text, Marker::Triangle),
 ];
 
-/// The coordinates of a part over time by all sessions together, less those of the last session, with 95 % bands; of effects the
-/// parameter itself. Points are what each session says of a pulley by itself, with one standard deviation.
+/// The coordinates of a part over time from all sessions together, less those of the last session, with 95 % bands; for effects
+/// the parameter itself. Points are the results of each session alone for a pulley, with one standard deviation.
 ///
-/// Ranges in which a jump happened are marked: strongly where it is certain. Lines are interrupted there. Dashed lines are events,
-/// such as values that were written to the controller. Pulleys have the tolerance besides.
+/// Ranges in which a jump happened are marked: strongly where it is certain. Lines are interrupted there. Dashed lines are
+/// events, such as values that were written to the controller. For pulleys, the tolerance is shown as well.
 #[must_use]
 pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
     let history = &found.history;
     let (of, states) = (&history.parts[part], &history.states[part]);
-    let is_pulley = matches!(of, Part::Pulley(_));
+    let is_pulley = matches!(of, RobotPart::Pulley(_));
     let (factor, unit) = display_unit(unit_of(of));
     let axes = &history.axes[part];
     let jumps: Vec<_> = history
@@ -50,9 +50,9 @@ pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
     for k in 0..count {
         let (ink, marker) = LOOKS[axes.get(k).copied().unwrap_or_default()];
         let name = axes.get(k).map_or("", |axis| ["dx", "dy", "dz"][*axis]);
-        let last = match of {
-            Part::Pulley(_) | Part::TargetPlane => states.last().map_or(0.0, |last| last.value[k]),
-            Part::Effect { .. } => 0.0,
+        let last = match (of, states.last()) {
+            (RobotPart::Effect { .. }, _) | (_, None) => 0.0,
+            (_, Some(last)) => last.value[k],
         };
         let (mut edges, mut line, mut points) = (Vec::new(), Vec::new(), Vec::new());
         for (index, (day, state)) in history.days.iter().zip(states).enumerate() {
@@ -65,7 +65,7 @@ pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
             edges.push([*day, value - half, value + half]);
             line.push([*day, value]);
             points.push(match (of, axes.get(k)) {
-                (Part::Pulley(cable), Some(axis)) => {
+                (RobotPart::Pulley(cable), Some(axis)) => {
                     let fit = &record.sessions[index].identification.solution;
                     let own = fit.globals.entry_points[*cable][*axis];
                     let covariance = entry_point_covariance(fit, *cable);

@@ -34,11 +34,11 @@ pub use rows::{RecordRow, pulleys_csv, rows};
 use words::unit_of;
 pub use words::{changes, next_calibration, next_calibration_after, part_name, size_of_jump};
 
-/// Largest displacement of a pulley that is tolerable if nothing else is said (m): more than what is not known of the pulleys of a
-/// small robot after one calibration of the usual number of poses, so that a first record has a date.
+/// Default tolerance: largest tolerable displacement of a pulley (m). It is larger than the uncertainty of the pulleys of a
+/// small robot after one calibration with the usual number of poses, so that a first record has a date.
 pub const TOLERANCE_M: f64 = 10e-3;
 
-/// Position error of the platform that is tolerable if nothing else is said (m).
+/// Default tolerance of the position of the platform (m).
 pub const POSITION_TOLERANCE_M: f64 = 1e-3;
 
 /// Quantity with a tolerance until the next calibration.
@@ -93,19 +93,19 @@ pub struct RecordedSession {
     pub path: PathBuf,
     /// Name of the file or folder without extension.
     pub name: String,
-    /// When its poses were read, if known.
+    /// Time of the readings, if known.
     pub time: Option<Timestamp>,
-    /// What was identified.
+    /// Result of the identification.
     pub identification: Identification,
-    /// Whether its readings are of a simulated robot.
+    /// Whether the readings are of a simulated robot.
     pub is_simulated: bool,
-    /// Whether values were written to the controller in it.
+    /// Whether values were written to the controller in the session.
     pub adjusted: bool,
-    /// Who wrote values to the controller or accepted the robot in it.
+    /// Operator who wrote values to the controller or accepted the robot in the session.
     pub operator: Option<String>,
     /// Mean pose accuracy that was measured after the adjustment (m).
     pub accuracy_after_m: Option<f64>,
-    /// Effects in its model, with their cables.
+    /// Effects in the model of the session, with their cables.
     pub effects: Vec<String>,
 }
 
@@ -128,9 +128,9 @@ pub fn date(time: Timestamp) -> String {
 pub struct RobotRecord {
     /// The sessions.
     pub sessions: Vec<RecordedSession>,
-    /// What happened to the robot, in the order of time, from `events.csv` in the folder.
+    /// Events in the life of the robot, in the order of time, from `events.csv` in the folder.
     pub events: Vec<RobotEvent>,
-    /// What was left out, and other notices, one sentence each.
+    /// Omissions and other notices, one sentence each.
     pub notices: Vec<String>,
 }
 
@@ -169,16 +169,16 @@ pub enum RecordError {
     },
 }
 
-/// The life of a robot and what is expected of it.
+/// History of a robot with its forecast.
 #[derive(Debug, Clone)]
 pub struct RobotHistory {
     /// States, jumps and drifts.
     pub history: History,
-    /// Whether all sessions have dates; otherwise nothing is said of rates and dates.
+    /// Whether all sessions have dates; otherwise rates and dates are not stated.
     pub is_dated: bool,
     /// Quantity with a tolerance.
     pub tolerance: Tolerance,
-    /// When it should be calibrated again; `None` without dates.
+    /// Forecast of the next calibration; `None` without dates.
     pub forecast: Option<Forecast>,
 }
 
@@ -193,8 +193,7 @@ impl RobotHistory {
             .any(|probability| probability >= CERTAIN)
     }
 
-    /// Changes the tolerance, on which the date of the next calibration depends. `record` is the one whose history it is.
-    ///
+    /// Changes the tolerance, on which the date of the next calibration depends. `record` must be the one of this history.
     /// # Errors
     /// One sentence without its end, if the position error of the platform cannot be predicted.
     pub fn set_tolerance(
@@ -212,8 +211,8 @@ impl RobotHistory {
 }
 
 impl RobotRecord {
-    /// Reads and identifies all sessions and dataset folders in a folder. They are in the order of the times when their poses were
-    /// read or, if one has none, of their names. `observe` is told the number of sessions that are read and of all, and may stop.
+    /// Reads and identifies all sessions and dataset folders in a folder, in the order of the times of their readings or, if
+    /// one has none, of their names. `observe` gets the number of sessions that are read and of all, and may stop.
     ///
     /// # Errors
     /// If a session cannot be read or identified, or is of another robot than the first one; or if it was stopped.
@@ -260,7 +259,7 @@ impl RobotRecord {
         Ok(())
     }
 
-    /// Whether something happened to the robot after the session before this one.
+    /// Whether an event happened between the previous session and this one.
     fn follows_event(&self, index: usize) -> bool {
         let Some(before) = index.checked_sub(1) else {
             return false;
@@ -417,7 +416,7 @@ impl RobotRecord {
     }
 }
 
-/// What is in a folder, in the order of names; neither what is hidden nor notes in Markdown.
+/// Paths in a folder, in the order of names, without hidden ones and notes in Markdown.
 fn entries(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
     let mut paths = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
@@ -430,7 +429,7 @@ fn entries(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// Whether a path is a folder with sessions or dataset folders and none of its own files: the record of a robot.
+/// Whether a path is the record of a robot: a folder with at least two sessions or dataset folders, which is not one itself.
 #[must_use]
 pub fn is_record(path: &Path) -> bool {
     let is_session = |path: &PathBuf| is_own(path).unwrap_or(false);
@@ -439,7 +438,7 @@ pub fn is_record(path: &Path) -> bool {
     path.is_dir() && !is_own(path).unwrap_or(false) && holds()
 }
 
-/// Who wrote values to the controller last, else who accepted the robot.
+/// Operator who last wrote values to the controller, or else accepted the robot.
 fn operator(session: &Session) -> Option<String> {
     let wrote = session.adjustments().last().map(|last| &last.operator);
     let accepted = session.verifications().iter().rev();

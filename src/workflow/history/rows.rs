@@ -1,6 +1,6 @@
 //! The sessions of a record as a table, for terminal, window and report.
 
-use tautline_core::history::{History, Part, SmoothedState};
+use tautline_core::history::{History, RobotPart, SmoothedState};
 use tautline_session::{Timestamp, csv_row};
 
 use super::{RecordedSession, RobotHistory, RobotRecord};
@@ -11,13 +11,13 @@ use crate::identification::FitVerdict;
 pub struct RecordRow {
     /// Name of its file or folder.
     pub name: String,
-    /// When its poses were read, if known.
+    /// Time of the readings, if known.
     pub time: Option<Timestamp>,
-    /// Who wrote values to the controller or accepted the robot in it.
+    /// Operator who wrote values to the controller or accepted the robot in the session.
     pub operator: Option<String>,
     /// Number of its poses.
     pub poses: usize,
-    /// Whether its model explains its data.
+    /// Adequacy of the model of the session.
     pub verdict: FitVerdict,
     /// Largest standard deviation of a coordinate of a pulley, with all sessions taken into account (m).
     pub largest_sd_m: f64,
@@ -41,7 +41,7 @@ pub fn rows(record: &RobotRecord, found: &RobotHistory) -> Vec<RecordRow> {
 fn row(index: usize, session: &RecordedSession, history: &History) -> RecordRow {
     let largest = |value: &dyn Fn(&[SmoothedState]) -> f64| {
         let parts = history.parts.iter().zip(&history.states);
-        let pulleys = parts.filter(|(part, _)| matches!(part, Part::Pulley(_)));
+        let pulleys = parts.filter(|(part, _)| matches!(part, RobotPart::Pulley(_)));
         pulleys.map(|(_, states)| value(states)).fold(0.0, f64::max)
     };
     let variance = |states: &[SmoothedState]| {
@@ -73,7 +73,7 @@ pub fn pulleys_csv(record: &RobotRecord, found: &RobotHistory) -> String {
     for (index, session) in record.sessions.iter().enumerate() {
         let time = session.time.map_or_else(String::new, |t| t.to_string());
         for (part, of) in history.parts.iter().enumerate() {
-            let Part::Pulley(cable) = of else {
+            let RobotPart::Pulley(cable) = of else {
                 continue;
             };
             let state = &history.states[part][index];

@@ -1,9 +1,9 @@
-//! The life of a robot in words.
+//! The history of a robot in words.
 
 use std::path::Path;
 
 use tautline_core::effect::find;
-use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, Part};
+use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, RobotPart};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
@@ -17,11 +17,11 @@ const DAYS_PER_MONTH: f64 = 30.0;
 
 /// A part: `pulley of cable-3`, `the laser's target plane`, `winch scale (cable-2)`.
 #[must_use]
-pub fn part_name(part: &Part, robot: &Robot) -> String {
+pub fn part_name(part: &RobotPart, robot: &Robot) -> String {
     match part {
-        Part::Pulley(cable) => format!("pulley of {}", robot.cables[*cable].name),
-        Part::TargetPlane => "the laser's target plane".to_owned(),
-        Part::Effect {
+        RobotPart::Pulley(cable) => format!("pulley of {}", robot.cables[*cable].name),
+        RobotPart::TargetPlane => "the laser's target plane".to_owned(),
+        RobotPart::Effect {
             effect,
             targets,
             parameter,
@@ -62,27 +62,27 @@ fn size(value: &[f64], sds: &[f64], axes: &[usize], unit: &str) -> String {
 }
 
 /// SI unit of the numbers of a part.
-pub fn unit_of(part: &Part) -> &str {
+pub fn unit_of(part: &RobotPart) -> &str {
     match part {
-        Part::Pulley(_) | Part::TargetPlane => "m",
-        Part::Effect { unit, .. } => unit,
+        RobotPart::Pulley(_) | RobotPart::TargetPlane => "m",
+        RobotPart::Effect { unit, .. } => unit,
     }
 }
 
 /// The size of a jump.
-pub fn size_of_jump(jump: &Jump, part: &Part, axes: &[usize]) -> String {
+pub fn size_of_jump(jump: &Jump, part: &RobotPart, axes: &[usize]) -> String {
     let variances = jump.covariance.diagonal();
     let sds: Vec<f64> = variances.iter().map(|v| v.max(0.0).sqrt()).collect();
     size(jump.size.as_slice(), &sds, axes, unit_of(part))
 }
 
-/// One jump: what moved, between which sessions, how certainly, by how much.
-fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize]) -> String {
+/// Sentence on one jump: part, sessions, probability and size.
+fn change_sentence(record: &RobotRecord, jump: &Jump, part: &RobotPart, axes: &[usize]) -> String {
     let [before, after] = jump.between.map(|k| record.sessions[k].name.as_str());
     let name = part_name(part, record.robot());
     let verb = match part {
-        Part::Pulley(_) | Part::TargetPlane => "moved",
-        Part::Effect { .. } => "changed",
+        RobotPart::Pulley(_) | RobotPart::TargetPlane => "moved",
+        RobotPart::Effect { .. } => "changed",
     };
     format!(
         "Between {before} and {after}{} the {} {verb} by {}, {}.",
@@ -93,8 +93,8 @@ fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize
     )
 }
 
-/// One drift: what drifts, how certainly, how fast.
-fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usize]) -> String {
+/// Sentence on one drift: part, probability and rate.
+fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &RobotPart, axes: &[usize]) -> String {
     let robot = record.robot();
     let rate = &drift.rate * DAYS_PER_MONTH;
     let variances = drift.covariance.diagonal();
@@ -109,7 +109,7 @@ fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usiz
     )
 }
 
-/// When to calibrate again.
+/// Sentence on the date of the next calibration.
 fn due_sentence(forecast: &Forecast, tolerance: Tolerance, last: Timestamp) -> String {
     let limit = quantity(tolerance.limit_m(), "m");
     let of_whom = match tolerance {
@@ -160,7 +160,7 @@ fn interval(forecast: &Forecast, last: Timestamp) -> String {
     }
 }
 
-/// What a record says of the time between two sessions: `(cable-2 replaced on 2026-09-03)`; empty if it says nothing.
+/// Events of a record between two sessions: `(cable-2 replaced on 2026-09-03)`; empty if there are none.
 fn told_between(record: &RobotRecord, sessions: [usize; 2]) -> String {
     let [Some(from), Some(to)] = sessions.map(|index| record.sessions[index].time) else {
         return String::new();
@@ -176,7 +176,7 @@ fn told_between(record: &RobotRecord, sessions: [usize; 2]) -> String {
     }
 }
 
-/// What happened over the sessions of a record: jumps, drifts, and whether any is certain.
+/// Sentences on the changes over the sessions of a record: jumps, drifts, and whether any is certain.
 #[must_use]
 pub fn changes(record: &RobotRecord, found: &RobotHistory) -> Vec<String> {
     let history = &found.history;
@@ -196,7 +196,8 @@ pub fn changes(record: &RobotRecord, found: &RobotHistory) -> Vec<String> {
     told
 }
 
-/// When to calibrate again after the session of a file or folder; `None` if it is not in the record. The date follows the last session.
+/// Sentence on the next calibration after the session of a file or folder; `None` if it is not in the record. The date follows
+/// the last session.
 #[must_use]
 pub fn next_calibration_after(
     record: &RobotRecord,
@@ -220,7 +221,7 @@ pub fn next_calibration_after(
     }))
 }
 
-/// When to calibrate again; `None` if the sessions have no dates.
+/// Sentence on the next calibration; `None` if the sessions have no dates.
 #[must_use]
 pub fn next_calibration(record: &RobotRecord, found: &RobotHistory) -> Option<String> {
     let last = record.sessions.last()?.time?;

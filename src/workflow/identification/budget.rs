@@ -103,7 +103,7 @@ impl Identification {
             let source = UncertaintySource::of_reading(reading.kind);
             *sums.entry(source).or_insert(0.0) += reading.redundancy.unwrap_or(0.0);
         }
-        // Readings that no others control say nothing of their scatter.
+        // Readings without redundancy do not show their scatter.
         let controlled = sums
             .into_iter()
             .filter(|(_, redundancy)| *redundancy >= 1.0);

@@ -35,7 +35,7 @@ pub fn effects_title(robot: &Robot, settings: &[EffectSetting]) -> String {
     }
 }
 
-/// The model without each of its effects, and without the deviations of its parts, with the name of what is left out.
+/// The model without each of its effects, and without the deviations of its parts; each with the name of the omitted part.
 #[must_use]
 pub fn without_each_effect(model: &Robot) -> Vec<(String, Robot)> {
     let effects = model.effects.iter().enumerate().map(|(index, setting)| {

@@ -87,7 +87,7 @@ pub struct Identification {
     pub analysis: Analysis,
     /// Suspect readings grouped by pose, the worst pose first.
     pub suspects: Vec<Vec<Observation>>,
-    /// Rank defects: what the readings leave undetermined.
+    /// Rank defects: parameters that the readings leave undetermined.
     pub open: Vec<RankDefect>,
     /// The robot with the identified values and their standard deviations.
     pub model: Robot,
@@ -192,7 +192,7 @@ impl Identification {
         found.zip(drawn).map(distance).collect()
     }
 
-    /// Where a measured elongation had to be extrapolated, in words; the solution is not valid then.
+    /// Sentence on a measured elongation that had to be extrapolated; the solution is not valid then.
     #[must_use]
     pub fn extrapolation(&self) -> Option<String> {
         extrapolation(&self.dataset, &self.solution)
@@ -201,7 +201,7 @@ impl Identification {
     /// Rejects the identification if a measured elongation had to be extrapolated.
     ///
     /// # Errors
-    /// If it had to be.
+    /// If a measured elongation had to be extrapolated.
     pub fn refuse_extrapolation(self) -> Result<Self, IdentificationError> {
         match self.extrapolation() {
             None => Ok(self),
@@ -276,7 +276,7 @@ impl Identification {
     }
 }
 
-/// Where a measured elongation had to be extrapolated, in words; the solution is not valid then.
+/// Sentence on a measured elongation that had to be extrapolated; the solution is not valid then.
 #[must_use]
 pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
     let first = solution.outside_surface.first()?;

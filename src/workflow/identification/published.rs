@@ -69,7 +69,7 @@ pub fn identify_published(
 }
 
 impl PublishedIdentification {
-    /// Whether it stopped because its steps became small.
+    /// Whether the iteration stopped because its steps or errors became small.
     #[must_use]
     pub fn converged(&self) -> bool {
         let ends = [PublishedStop::SmallStep, PublishedStop::SmallError];

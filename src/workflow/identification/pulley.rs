@@ -315,7 +315,7 @@ mod tests {
         assert!(PulleyInspection::of(robot, Some(&fit), 99).is_none());
     }
 
-    /// Whether a parameter is a coordinate of a pulley, of this cable if one is given.
+    /// Whether a parameter is a coordinate of a pulley, of the cable `of` if one is given.
     fn is_of(fit: &Identification, index: usize, of: Option<usize>) -> bool {
         matches!(
             fit.solution.parameters[index].id,

@@ -23,7 +23,7 @@ pub struct IdentificationRequest {
     pub effects: Vec<BoundEffect>,
     /// Other options.
     pub options: IdentificationOptions,
-    /// Whether the result lists every reading. A summary does not, which takes a fraction of the memory.
+    /// Whether the result lists every reading. A summary does not, and needs a fraction of the memory.
     pub lists_readings: bool,
 }
 
@@ -32,11 +32,11 @@ pub struct IdentificationRequest {
 pub struct IdentificationOptions {
     /// Loss function of the standardised residuals.
     pub loss: Loss,
-    /// Whether geometry and effects are estimated.
+    /// Treatment of geometry and effects: estimated or held.
     pub geometry: Geometry,
-    /// Whether poses are estimated.
+    /// Treatment of the poses: estimated or held.
     pub poses: Poses,
-    /// Which tolerances of the parts count.
+    /// Tolerances of the parts.
     pub tolerances: TolerancesUsed,
 }
 
@@ -94,7 +94,7 @@ impl IdentificationOptions {
 }
 
 impl IdentificationRequest {
-    /// What the standard deviations assume about the parts, for a reader.
+    /// Sentence on the tolerances of the parts for which the standard deviations allow.
     #[must_use]
     pub fn tolerances_sentence(&self) -> &'static str {
         match self.options.tolerances.of(&self.dataset.robot) {

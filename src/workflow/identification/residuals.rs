@@ -66,7 +66,7 @@ mod tests {
         deviations
     }
 
-    /// A reading that is too large makes the prediction less than the reading, whatever is read.
+    /// A reading that is too large exceeds the prediction, for every kind of reading.
     #[test]
     fn a_reading_that_is_too_large_has_a_residual_below_zero_for_every_kind() {
         let mut kinds = 0;

@@ -148,7 +148,7 @@ fn text(in_files: &str, in_window: impl Into<String>) -> Cell {
     Cell::Text([in_files.to_owned(), in_window.into()])
 }
 
-/// A number, shown in a unit of which it has `factor` times as many.
+/// A number in SI units, shown in a unit `factor` times smaller.
 fn number(si: impl Into<Option<f64>>, factor: f64, form: impl FnOnce(f64) -> String) -> Cell {
     let si = si.into();
     let shown = si.map(|si| factor * si).filter(|v| v.is_finite());

@@ -1,4 +1,4 @@
-//! What an identification does with what it cannot see.
+//! Identification where the data do not determine everything.
 
 use tautline_core::estimation::{Control, Method};
 use tautline_core::geometry::Vec3;

@@ -82,8 +82,8 @@ pub fn last_recipe(session: &Session) -> Option<Recipe> {
     serde_json::from_value(last_record(session)?.document.value()).ok()
 }
 
-/// Whether the poses of a session can be replaced by another import: they were imported, and nothing was planned or measured
-/// since. Measured poses have no file to be read from again.
+/// Whether another import can replace the poses of a session: they were imported, and nothing was planned or measured since.
+/// Measured poses are in no file from which they could be read again.
 #[must_use]
 pub fn can_import_again(session: &Session) -> bool {
     let is_poses = |entry: &&LogEntry| entry.phase == Phase::Poses;

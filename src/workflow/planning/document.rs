@@ -20,7 +20,7 @@ pub struct PlanDocument {
     pub candidates: usize,
     /// Number of poses drawn, and of those rejected.
     pub refused: Refused,
-    /// Why it cannot be checked whether the cables can hold the platform, in one sentence; null if it is checked.
+    /// Reason why it cannot be checked whether the cables can hold the platform, in one sentence; null if it is checked.
     #[serde(default)]
     pub unchecked_tensions: Option<String>,
     /// Travel distance through all poses, rotations counted at the platform's anchors (m).
@@ -47,7 +47,7 @@ pub struct PlanDocument {
     /// Faults that the poses reveal, if requested.
     #[serde(default)]
     pub isolability: Option<IsolabilityDocument>,
-    /// What the poses find as a check of a calibration, pulley by pulley; empty for other plans.
+    /// Move of each pulley that the poses detect as a check of a calibration; empty for other plans.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detection: Vec<DetectionDocument>,
 }
@@ -57,16 +57,16 @@ pub struct PlanDocument {
 pub struct DetectionDocument {
     /// Name of its cable.
     pub cable: String,
-    /// Move in a random direction that is found with 95 % probability (m); null if none is.
+    /// Move in a random direction that is detected with 95 % probability (m); null if no move is.
     pub move_m: Option<f64>,
-    /// Probability that the move that was asked for is found; null if none was.
+    /// Probability of detecting the requested move; null without one.
     pub probability: Option<f64>,
 }
 
 /// Expected position error of the platform if the home pose is measured more often.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomeGainDocument {
-    /// Number of measurements as a multiple of the present ones; null: so many that it is known exactly.
+    /// Number of measurements as a multiple of the present ones; null if the home pose is known exactly.
     pub times: Option<usize>,
     /// I-criterion: root mean square position error of the platform over the workspace (m).
     pub platform_m: Option<f64>,

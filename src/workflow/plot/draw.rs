@@ -24,12 +24,12 @@ const CHARACTER: f32 = 0.55;
 
 /// An entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
-    /// Its rectangle.
+pub struct LegendEntry {
+    /// Rectangle of the entry.
     pub rect: Rect,
-    /// Its text.
+    /// Text as shown.
     pub text: String,
-    /// Name of what it stands for.
+    /// Name of the series, curve or columns.
     pub name: String,
     sign: Sign,
     cable: Option<usize>,
@@ -53,7 +53,7 @@ pub struct Layout {
     /// Displayed values, and the rectangle of the data.
     pub scale: Scale,
     /// The legend, above the data.
-    pub legend: Vec<Entry>,
+    pub legend: Vec<LegendEntry>,
     /// Left edge of the x axis title if it is beside the ticks, else infinite.
     x_title: f32,
     x_ticks: Vec<Tick>,
@@ -112,9 +112,9 @@ pub fn right_margin(figure: &Figure, width: &dyn Fn(&str) -> f32) -> f32 {
 
 /// The legend entries that fit into the upper part of a rectangle, beside the title of the y axis or below it.
 #[must_use]
-pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
+pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<LegendEntry> {
     let left = width(&figure.y.title()) + 4.0 * GRID;
-    // In a low plot the data take precedence: what has no room is left out, bands and curves before cables.
+    // In a low plot the data take precedence: legend entries without room are left out, bands and curves before cables.
     let room = (LEGEND * whole.height()).max(2.0 * (TEXT + GRID));
     let whole = whole.with_max_y(whole.min.y + room);
     // Many cables are identified by their numbers only, which leaves more room for the data.
@@ -157,7 +157,7 @@ pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<
         if y + line > whole.height() {
             break;
         }
-        entries.push(Entry {
+        entries.push(LegendEntry {
             rect: Rect::from_min_size(whole.min + vec2(x, y), size),
             text: text.to_owned(),
             name: name.to_owned(),
@@ -377,7 +377,7 @@ impl<'a> Points<'a> {
         }
     }
 
-    /// Whether there are so many that they are painted as small squares.
+    /// Whether there are so many points that they are painted as small squares.
     #[must_use]
     pub fn are_dense(&self) -> bool {
         let counts = self.thinned.iter().map(|thinned| thinned.points.len());
@@ -489,8 +489,8 @@ impl<'a> Points<'a> {
     }
 }
 
-impl Entry {
-    /// Paints the entry: symbol and text; pale if what it stands for is hidden.
+impl LegendEntry {
+    /// Paints the entry: symbol and text; pale if its series is hidden.
     pub fn draw(
         &self,
         canvas: &mut dyn Canvas,

@@ -31,7 +31,7 @@ pub enum Shape {
         width: f64,
         /// Its colour.
         colour: Color32,
-        /// Whether it is dashed.
+        /// Whether the line is dashed.
         dashed: bool,
     },
     /// A filled rectangle.
@@ -80,7 +80,7 @@ pub enum Shape {
         anchor: Anchor,
         /// Its colour.
         colour: Color32,
-        /// Whether it is bold.
+        /// Whether the text is bold.
         bold: bool,
         /// The text.
         text: String,

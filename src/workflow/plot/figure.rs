@@ -153,7 +153,7 @@ pub struct Point {
     pub sd: [f64; 2],
     /// Label of its pose.
     pub pose: Option<i64>,
-    /// Whether it is shown but not used.
+    /// Whether the point is shown but not used.
     pub excluded: bool,
 }
 
@@ -239,7 +239,7 @@ pub struct Curve {
     pub name: String,
     /// Colour.
     pub ink: Ink,
-    /// Whether it is dashed.
+    /// Whether the line is dashed.
     pub dashed: bool,
     /// Points of the line in order; a non-finite point interrupts it.
     pub points: Vec<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! A robot as a few lines: a small picture that tells one from another in a list.
+//! A robot as a few lines: a small picture by which robots in a list can be told apart.
 
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::Robot;

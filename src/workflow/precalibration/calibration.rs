@@ -115,7 +115,7 @@ impl Calibration {
         })
     }
 
-    /// Whether it was computed from the present robot and tables of a session.
+    /// Whether the calibration was computed from the present robot and tables of a session.
     #[must_use]
     pub fn is_of(&self, session: &Session) -> bool {
         let (ours, theirs) = (&self.phases, &session.phases);

@@ -140,12 +140,12 @@ impl VersionedFile for Precalibration {
     const MAX_BYTES: u64 = 16 << 20;
 }
 
-/// Why there is no precalibration.
+/// Reasons why there is no precalibration.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Failure {
     /// The dataset has no calibration table.
     NoTables,
-    /// A fit failed: file of the dataset; the item, such as a cable, and what is wrong with it.
+    /// A fit failed: file of the dataset; the item, such as a cable, with the problem.
     Fit(&'static str, String),
 }
 

@@ -17,7 +17,7 @@ fn of_cable(robot: &Robot, cable: usize, message: impl ToString) -> String {
 /// Fits the winch of one cable to its pairs.
 ///
 /// # Errors
-/// If the pairs do not determine it, or positive revolutions reel cable in.
+/// If the pairs do not determine the parameters, or positive revolutions reel cable in.
 pub fn fit_winch(
     robot: &Robot,
     pairs: &[WinchPair],
@@ -45,7 +45,7 @@ pub fn fit_winch(
 /// Fits the force sensor of one cable to its pairs.
 ///
 /// # Errors
-/// If the pairs do not determine it.
+/// If the pairs do not determine the parameters.
 pub fn fit_force_sensor(
     robot: &Robot,
     pairs: &[ForcePair],

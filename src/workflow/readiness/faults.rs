@@ -24,8 +24,8 @@ pub struct ReadingFault {
     pub column: String,
     /// What was found and what was expected.
     pub message: String,
-    /// Whether no identification is valid with it. An instrument with an error of its own, which a diagnosis may name, can
-    /// read what is impossible.
+    /// Whether the fault makes every identification invalid. A reading may also be impossible because of an error of the
+    /// instrument, which a diagnosis can name.
     pub prevents_identification: bool,
 }
 

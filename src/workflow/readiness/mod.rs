@@ -1,6 +1,5 @@
-//! Readiness check before identification: whether the readings are complete and plausible, whether they determine the
-//! geometry, and which faults they would reveal. Every part passes, fails, gives a notice or is not evaluated, with a sentence and
-//! advice.
+//! Readiness check before identification: completeness and plausibility of the readings, determination of the geometry, and
+//! detectable faults. Every part passes, fails, gives a notice or is not evaluated, with a sentence and advice.
 
 mod faults;
 mod readings;
@@ -33,9 +32,9 @@ pub const PLAUSIBLE: &str = "plausible";
 pub enum CheckOutcome {
     /// Passed.
     Pass,
-    /// Passed, but limits what can be concluded from the readings.
+    /// Passed, but limits the conclusions from the readings.
     Notice,
-    /// Something must be done first.
+    /// A fault must be removed first.
     Fail,
     /// Could not be evaluated.
     NotEvaluated,
@@ -44,7 +43,7 @@ pub enum CheckOutcome {
 /// A part of the check.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct CheckItem {
-    /// What is checked: `complete`, `plausible`, `geometry` or `faults`.
+    /// Subject of the check: `complete`, `plausible`, `geometry` or `faults`.
     pub name: String,
     /// Outcome.
     pub outcome: CheckOutcome,
@@ -59,9 +58,9 @@ pub struct CheckItem {
 pub struct ReadinessDocument {
     /// Name of the robot.
     pub robot: String,
-    /// Whether no part failed.
+    /// Whether no check failed.
     pub ready: bool,
-    /// The parts.
+    /// The checks.
     pub checks: Vec<CheckItem>,
     /// Faults that these poses reveal; null if not evaluated.
     pub isolability: Option<IsolabilityDocument>,
@@ -102,8 +101,8 @@ impl CheckItem {
     }
 }
 
-/// Checks a dataset with its raw measurements; `table` is the one that they were read from. Which faults the poses reveal takes
-/// seconds, so that it is evaluated only if asked for.
+/// Checks a dataset with its raw measurements; `table` is the one that they were read from. The faults that the poses reveal
+/// take seconds, so they are evaluated only on request.
 #[must_use]
 pub fn check(dataset: &Dataset, table: Option<&PoseLines>, with_faults: bool) -> ReadinessDocument {
     let found = check_table(&dataset.measurements, &dataset.robot);
@@ -142,7 +141,7 @@ pub fn check(dataset: &Dataset, table: Option<&PoseLines>, with_faults: bool) ->
     }
 }
 
-/// The check of the readings alone, of a dataset that need not determine its geometry by itself.
+/// The check of the readings alone, for a dataset that need not determine its geometry.
 #[must_use]
 pub fn readings_readiness(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument {
     let checks = check_readings(dataset, table);
@@ -162,7 +161,7 @@ pub fn check_readings(dataset: &Dataset, table: Option<&PoseLines>) -> Vec<Check
     vec![complete(dataset, &said), plausible(dataset, &found, &said)]
 }
 
-/// A first fit, which shows what the readings determine.
+/// A first fit, which shows the parameters that the readings determine.
 enum Fitted {
     At(Box<Solution>, Vec<String>),
     Not(String),
@@ -226,7 +225,7 @@ fn geometry(fitted: &Fitted) -> CheckItem {
 /// Advice where poses reveal few faults.
 const BETTER_POSES: &str = "Poses planned with `tautline plan --for both` reveal more; the rest needs another instrument or a check in \
                             the workshop.";
-/// What is said and advised where the tolerances of the parts hide most faults.
+/// Sentence and advice if the tolerances of the parts hide most faults.
 const HIDDEN_BY_TOLERANCES: &str = "Most of them are hidden by what sound parts may deviate within their tolerances, not by the poses.";
 const TIGHTER_TOLERANCES: &str = "State the tolerances of this machine if they are tighter; the rest needs another instrument or a check \
                                   in the workshop.";
@@ -243,7 +242,7 @@ fn not_asked() -> CheckItem {
         .with("To see which faults these poses reveal, add --explain.")
 }
 
-/// `of_exact_parts` is what the poses would reveal if all parts were exact, where most faults are hidden.
+/// The check of the detectable faults; `of_exact_parts` has those for exact parts, needed if most faults are hidden.
 fn faults(
     isolability: Option<&IsolabilityDocument>,
     of_exact_parts: Option<&IsolabilityDocument>,

@@ -154,7 +154,8 @@ pub(super) fn plausible(
     }
 }
 
-/// Cables that hardly pull at some poses, in one sentence for each: a slack cable is longer than the distance that it spans.
+/// Cables with very low tension at some poses, in one sentence for each: a slack cable is longer than the distance that it
+/// spans.
 fn slack_cables(dataset: &Dataset) -> Vec<String> {
     let data = &dataset.measurements;
     if data.force_n.is_empty() {

@@ -1,5 +1,5 @@
-//! The demonstration: MINI as drawn, a true robot with the measured geometry whose parts are a little off, and a random
-//! fault.
+//! The demonstration: MINI as drawn, and a true robot with the measured geometry, deviations of all parts within tolerances and
+//! a random fault.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -14,13 +14,13 @@ use crate::wording::session_facts;
 pub struct Sample {
     /// Its title.
     pub title: String,
-    /// What it demonstrates, in one line.
+    /// Subject of the demonstration, in one line.
     pub shows: String,
     /// Its session file, or the folder of a record.
     pub session: PathBuf,
-    /// Whether it is the record of a robot.
+    /// Whether the sample is the record of a robot.
     pub is_record: bool,
-    /// When it was measured, and its robot.
+    /// Time of the measurement, and the robot.
     pub facts: String,
     /// A small picture of its robot, see [`outline`].
     pub outline: Vec<[i16; 4]>,

@@ -40,7 +40,6 @@ pub fn bench(
     }
 }
 
-/// Deviation of a parameter on a cable.
 fn deviation(deviations: &[EffectSetting], (effect, parameter): (&str, &str), cable: &str) -> f64 {
     let is_it = |one: &&EffectSetting| {
         one.effect == effect && one.targets.iter().any(|target| target == cable)

@@ -10,9 +10,9 @@ use super::wording::{obstacle_in_words, set_in_words};
 /// A goal, and whether it is reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GoalDocument {
-    /// The goal as it is given on the command line.
+    /// The goal as given on the command line.
     pub goal: String,
-    /// Whether it is reached.
+    /// Whether the goal is reached.
     pub reached: bool,
 }
 
@@ -21,7 +21,7 @@ pub struct GoalDocument {
 pub struct DecidedPose {
     /// Label of the pose.
     pub pose: i64,
-    /// Why it was chosen.
+    /// Reason for the choice.
     pub reason: String,
 }
 
@@ -37,14 +37,14 @@ pub struct PossibleSet {
 /// Smallest probability of a set that is listed.
 const LISTED: f64 = 0.01;
 
-/// How a run ended that measured until it was certain.
+/// Result of a run that measured until its goals were reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UntilDocument {
     /// The goals.
     pub goals: Vec<GoalDocument>,
-    /// Why the run ended: reached, cannot_get_closer or at_limit; null if it was interrupted.
+    /// Reason why the run ended: reached, cannot_get_closer or at_limit; null if it was interrupted.
     pub end: Option<String>,
-    /// What would help, one sentence for each goal that cannot be reached.
+    /// Advice, one sentence for each goal that cannot be reached.
     pub help: Vec<String>,
     /// Probability that the findings are what is wrong and nothing else is; null if causes were not asked for.
     pub explained: Option<f64>,

@@ -1,4 +1,4 @@
-//! Measuring until it is certain: decisions on the next pose, for window and commands.
+//! Measuring until the goals are reached: decisions on the next pose, for window and commands.
 
 mod document;
 mod planner;
@@ -19,14 +19,14 @@ pub use wording::{
     set_in_words,
 };
 
-/// What is asked for.
+/// Request to measure until goals are reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UntilRequest {
-    /// When to stop: all of them.
+    /// Goals, all of which have to be reached.
     pub goals: Vec<Goal>,
     /// Largest number of poses, the home pose not counted.
     pub at_most: usize,
-    /// Seed of the poses among which the next one is looked for.
+    /// Seed of the poses from which the next one is chosen.
     pub seed: u64,
     /// Poses that may be measured, instead of those of the workspace.
     pub among: Option<Vec<Pose>>,

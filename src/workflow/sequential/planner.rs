@@ -1,4 +1,4 @@
-//! Decisions in a thread of their own, so that the robot goes on being watched.
+//! Decisions in a separate thread, so that the robot remains supervised.
 
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
@@ -15,14 +15,14 @@ use tautline_session::Session;
 use super::UntilRequest;
 use crate::identification::IdentificationRequest;
 
-/// Decides on the next pose while the robot goes on being watched.
+/// Decides on the next pose while the robot remains supervised.
 ///
 /// The thread ends with this value, after the decision in progress.
 #[derive(Debug)]
 pub struct SequentialPlanner {
     questions: Sender<Question>,
     answers: Receiver<Result<Decision, String>>,
-    /// Number of questions without an answer; only the last one is waited for.
+    /// Number of unanswered questions; all answers but the last one are discarded.
     unanswered: usize,
 }
 
@@ -86,8 +86,8 @@ impl Prepared {
 }
 
 impl SequentialPlanner {
-    /// Starts the thread for the robot of a session, which begins with what does not depend on readings; it calls `wake` after
-    /// every decision.
+    /// Starts the thread for the robot of a session, which begins with computations that do not depend on readings; it calls
+    /// `wake` after every decision.
     ///
     /// # Errors
     /// One sentence, if the session cannot be identified at all.
@@ -107,7 +107,7 @@ impl SequentialPlanner {
         })
     }
 
-    /// Asks for the next step after the measured poses of a session, instead of what was asked before; `excluded` are poses that
+    /// Asks for the next step after the measured poses of a session; an earlier question is dropped. `excluded` are poses that
     /// could not be measured.
     pub fn ask(&mut self, session: &Session, excluded: &[Pose]) {
         let measured = session.dataset().measurements;

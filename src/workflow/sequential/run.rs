@@ -1,4 +1,4 @@
-//! A measuring run whose poses are decided on one by one.
+//! A measuring run with a decision before each pose.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
@@ -8,7 +8,7 @@ use tautline_session::{PlannedPose, Session};
 use super::wording::{end_in_words, reason_in_words};
 use super::{DecidedPose, SequentialPlanner, UntilDocument, UntilRequest};
 
-/// A measuring run whose poses are decided on one by one: its decisions, and what they led to.
+/// A measuring run with a decision before each pose: its decisions and their results.
 #[derive(Debug)]
 pub struct SequentialRun {
     goals: Vec<Goal>,
@@ -29,7 +29,7 @@ pub struct ChosenPose {
     pub label: i64,
     /// Pose to command.
     pub pose: Pose,
-    /// Why this one, in words.
+    /// Reason for the choice, in words.
     pub reason: String,
 }
 
@@ -62,7 +62,7 @@ impl SequentialRun {
         })
     }
 
-    /// When it stops: all of them.
+    /// Goals, all of which have to be reached.
     #[must_use]
     pub fn goals(&self) -> &[Goal] {
         &self.goals
@@ -86,19 +86,19 @@ impl SequentialRun {
         &self.poses
     }
 
-    /// What is known by the last decision; `None` while the first poses are measured.
+    /// Assessment of the last decision; `None` while the first poses are measured.
     #[must_use]
     pub fn assessment(&self) -> Option<&Assessment> {
         self.last.as_ref()?.assessment.as_ref()
     }
 
-    /// Why the run ended, in a few words; `None` unless a decision has ended it.
+    /// Reason why the run ended, in a few words; `None` unless a decision has ended it.
     #[must_use]
     pub fn end(&self) -> Option<&'static str> {
         end_in_words(&self.last.as_ref()?.step)
     }
 
-    /// Goals, decisions and what they led to, as a document.
+    /// Goals, decisions and results as a document.
     #[must_use]
     pub fn document(&self, robot: &Robot) -> UntilDocument {
         UntilDocument::of(robot, &self.goals, self.last.as_ref(), self.poses.clone())

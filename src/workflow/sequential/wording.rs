@@ -7,7 +7,7 @@ use tautline_core::sequential::{Assessment, FIRST_POSES, Goal, NextStep, Obstacl
 use crate::diagnosis::cause_title;
 use crate::wording::{count, first_lower, list, units};
 
-/// Why a pose was chosen, to be put after its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.
+/// Reason why a pose was chosen, to follow its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.
 #[must_use]
 pub fn reason_in_words(robot: &Robot, reason: &Reason) -> String {
     match reason {
@@ -22,7 +22,7 @@ pub fn reason_in_words(robot: &Robot, reason: &Reason) -> String {
     }
 }
 
-/// What is measured for, in the middle of a sentence.
+/// Goals as a phrase for the middle of a sentence.
 #[must_use]
 pub fn goals_in_words(goals: &[Goal]) -> String {
     let words: Vec<String> = goals.iter().map(|goal| goal_in_words(*goal)).collect();
@@ -45,7 +45,7 @@ fn goal_in_words(goal: Goal) -> String {
     }
 }
 
-/// Why a run ended, to be put after what it has measured; `None` of a step that does not end it.
+/// Reason why a run ended, to follow the measured poses; `None` for a step that does not end it.
 #[must_use]
 pub fn end_in_words(step: &NextStep) -> Option<&'static str> {
     match step {
@@ -70,7 +70,7 @@ fn name(robot: &Robot, cause: &Cause) -> String {
     first_lower(&cause_title(robot, cause))
 }
 
-/// What keeps a goal from being reached, and what would help, in one sentence.
+/// Reason why a goal cannot be reached, and advice, in one sentence.
 #[must_use]
 pub fn obstacle_in_words(robot: &Robot, obstacle: &Obstacle) -> String {
     match obstacle {
@@ -128,7 +128,7 @@ fn checks(one: &[Cause], other: &[Cause]) -> Vec<&'static str> {
     checks
 }
 
-/// What is known after some poses, in one line.
+/// Progress towards the goals, in one line.
 #[must_use]
 pub fn progress_in_words(robot: &Robot, known: &Assessment) -> String {
     let mut parts = Vec::new();

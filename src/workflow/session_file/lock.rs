@@ -25,10 +25,10 @@ pub fn unsaved_folder(session: &Path) -> PathBuf {
 #[derive(Debug)]
 pub struct FileLock {
     folder: PathBuf,
-    /// Always there until this value ends.
+    /// The locked file; `None` only while this value is dropped.
     lock: Option<File>,
-    /// The session file itself, so that it is locked under all its names; `None` if there is none yet, or its system does not
-    /// lock it.
+    /// The session file itself, so that it is locked under all its names; `None` if it does not exist yet, or cannot be locked
+    /// on this system.
     session: Option<File>,
 }
 
@@ -108,7 +108,7 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // While it is locked, so that no other program has locked it.
+        // The file is removed while it is still locked, before another program can lock it.
         let _ = fs::remove_file(self.folder.join(LOCK_NAME));
         for lock in [self.session.take(), self.lock.take()]
             .into_iter()
@@ -116,8 +116,8 @@ impl Drop for FileLock {
         {
             let _ = lock.unlock();
         }
-        // Windows removes no folder in which a removed file is still open. A folder that contains unsaved poses, or the lock of
-        // the next program, is not empty and so stays.
+        // Windows does not remove a folder in which a removed file is still open. A folder that contains unsaved poses, or the
+        // lock of the next program, is not empty and therefore stays.
         let _ = fs::remove_dir(&self.folder);
     }
 }
@@ -126,7 +126,7 @@ impl Drop for FileLock {
 #[cfg(unix)]
 fn lock_file(session: &Path) -> Result<Option<File>, LockError> {
     let Ok(file) = File::open(link_target(session)) else {
-        // Reading it reports the error.
+        // The error is reported when the session is read.
         return Ok(None);
     };
     match file.try_lock() {
@@ -136,13 +136,13 @@ fn lock_file(session: &Path) -> Result<Option<File>, LockError> {
     }
 }
 
-/// On systems where nobody can read a locked file, this program itself could not, either.
+/// On systems where a locked file cannot be read, this program itself could not read it, either.
 #[cfg(not(unix))]
 fn lock_file(_: &Path) -> Result<Option<File>, LockError> {
     Ok(None)
 }
 
-/// Refuses links and anything else that this program did not create: writing there would go elsewhere.
+/// Refuses links and anything else that this program did not create: a link would redirect the writing.
 pub(super) fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),

@@ -37,13 +37,13 @@ const DAMAGED: &str = "damaged-";
 /// Errors of working on a session file.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// It cannot be locked.
+    /// The file cannot be locked.
     #[error(transparent)]
     Lock(#[from] LockError),
     /// The unsaved data of a killed program cannot be read.
@@ -62,7 +62,7 @@ pub enum SessionFileError {
     Misfit {
         /// The folder.
         folder: PathBuf,
-        /// What does not fit.
+        /// Difference between the poses and the session.
         reason: FieldError,
     },
     /// There is no disk space for the record.
@@ -106,7 +106,7 @@ pub struct SessionFile {
     lock: FileLock,
 }
 
-/// Recovers what a killed command left beside a session file; returns notices about it, also if a command is still
+/// Recovers the unsaved data of a killed command beside a session file; returns notices about them, also if a command is still
 /// working on the session.
 pub fn recover_unsaved(path: &Path) -> Vec<String> {
     let mut notices = Vec::new();
@@ -120,8 +120,7 @@ pub fn recover_unsaved(path: &Path) -> Vec<String> {
 }
 
 impl SessionFile {
-    /// Reads a session for a command that changes it, including what an earlier command left unsaved. Notices go to
-    /// `notify`.
+    /// Reads a session for a command that changes it, including unsaved data of an earlier command. Notices go to `notify`.
     ///
     /// # Errors
     /// If the file is missing, or cannot be read, locked or updated.
@@ -284,7 +283,7 @@ impl SessionFile {
 }
 
 impl SessionFile {
-    /// Adds what a later state of the session has in its log, such as why each pose was chosen.
+    /// Adds log entries of a later state of the session, such as the reasons for the choice of poses.
     fn take_log(&mut self, later: &Session) {
         let known = self.session.log().len();
         if later.log().get(..known) == Some(self.session.log()) {

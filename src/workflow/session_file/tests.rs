@@ -1,4 +1,4 @@
-//! Links, and files of others beside a session.
+//! Links, and files of other programs beside a session.
 
 use std::os::unix::fs::symlink;
 

@@ -1,4 +1,4 @@
-//! In which window a session is open.
+//! Mark of the window in which a session is open.
 
 use std::fs::{self, File, FileType, TryLockError};
 use std::path::{Path, PathBuf};
@@ -8,22 +8,22 @@ use tautline_session::{Fingerprint, Timestamp, link_target};
 
 use super::lock::{check_own, is_still};
 
-/// The mark of the window in which a session is open: a locked and empty file in a folder of the user, made when it was opened. It
-/// is not beside the session, which can be shared, looked at where nothing can be written, and listed with others.
+/// The mark of the window in which a session is open: a locked empty file in a folder of the user, created when the session was
+/// opened. It is not beside the session, which can be shared, read-only, or listed with others.
 #[derive(Debug)]
 pub struct OpenWindow {
     mark: PathBuf,
     file: File,
 }
 
-/// The mark of a session file, by whatever path it is opened.
+/// The mark of a session file, the same for every path that leads to the file.
 fn mark_of(windows: &Path, session: &Path) -> PathBuf {
     let target = link_target(session);
     let target = fs::canonicalize(&target).unwrap_or(target);
     windows.join(Fingerprint::of(target.to_string_lossy().as_bytes()).to_hex())
 }
 
-/// When a file was made that is locked by another program.
+/// Modification time of a file that another program has locked.
 fn made(mark: &Path) -> Timestamp {
     let modified = fs::metadata(mark).and_then(|found| found.modified());
     let since = modified.unwrap_or_else(|_| SystemTime::now());
@@ -32,10 +32,9 @@ fn made(mark: &Path) -> Timestamp {
 }
 
 impl OpenWindow {
-    /// Marks a session as open here, in the folder of marks; without a mark where none can be made.
-    ///
+    /// Marks a session as open here, in the folder of marks; without a mark if none can be created.
     /// # Errors
-    /// Since when it is open in another window.
+    /// The time since when the session is open in another window.
     pub fn enter(windows: &Path, session: &Path) -> Result<Option<Self>, Timestamp> {
         let mark = mark_of(windows, session);
         // Opening the mark fails without the folder.
@@ -49,7 +48,7 @@ impl OpenWindow {
             };
             match file.try_lock() {
                 Ok(()) if is_still(&file, &mark).unwrap_or(false) => {
-                    // One that is left of a killed program is older.
+                    // The file may be left over from a killed program.
                     let _ = file.set_modified(SystemTime::now());
                     return Ok(Some(Self { mark, file }));
                 }
@@ -60,16 +59,15 @@ impl OpenWindow {
         }
     }
 
-    /// As [`Self::enter`], after which another window sees that [it is no longer its own](Self::is_ours).
-    ///
+    /// Like [`Self::enter`], but the other window sees afterwards that the session [is no longer its own](Self::is_ours).
     /// # Errors
-    /// Since when it is open in another window, whose mark cannot be removed.
+    /// The time since when the session is open in another window, if its mark cannot be removed.
     pub fn take_over(windows: &Path, session: &Path) -> Result<Option<Self>, Timestamp> {
         let mark = mark_of(windows, session);
         let is_mark =
             fs::symlink_metadata(&mark).is_ok_and(|there| there.is_file() && there.len() == 0);
         if is_mark {
-            // Where it cannot be removed, entering says so.
+            // If the mark cannot be removed, `enter` returns the error.
             let _ = fs::remove_file(&mark);
         }
         Self::enter(windows, session)
@@ -81,7 +79,7 @@ impl OpenWindow {
         is_still(&self.file, &self.mark).unwrap_or(false)
     }
 
-    /// Whether it is the mark of this session.
+    /// Whether this is the mark of a session.
     #[must_use]
     pub fn is_of(&self, session: &Path) -> bool {
         let windows = self.mark.parent().unwrap_or(&self.mark);
@@ -113,7 +111,7 @@ mod tests {
         let second = OpenWindow::take_over(&windows, &session);
         let second = second.expect("taken").expect("a mark");
         assert!(second.is_ours() && !first.is_ours());
-        // The window that lost it leaves the mark of the other one.
+        // The window that lost the session does not remove the mark of the other one.
         drop(first);
         enter().expect_err("it is open");
         drop(second);

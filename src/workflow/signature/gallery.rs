@@ -16,9 +16,9 @@ pub struct Signature {
     pub effect: &'static Effect,
     /// Its size in words.
     pub size: String,
-    /// What it does.
+    /// Sentence on the effect.
     pub cause: String,
-    /// What to do about it in the workshop.
+    /// Advice for the workshop.
     pub workshop: String,
     /// The residuals in which it shows, the clearest first; or one sentence on why it does not.
     pub images: Result<Vec<Image>, String>,
@@ -41,8 +41,8 @@ pub(super) fn effects(robot: &Robot) -> impl Iterator<Item = &'static Effect> + 
 }
 
 impl Gallery {
-    /// Plays every effect on a robot, at the given poses if it can hold them. `observe` is told the number of effects that are done
-    /// and of all, and may stop: then there is no gallery.
+    /// Simulates every effect on a robot, at the given poses if it can hold them. `observe` gets the number of effects that are
+    /// done and of all, and may stop: then there is no gallery.
     ///
     /// # Errors
     /// If the robot can be held nowhere.

@@ -14,7 +14,7 @@ use crate::wording::{readings, sentence};
 
 /// Most pictures of one effect.
 pub(super) const MOST_IMAGES: usize = 3;
-/// Largest residual, in standard deviations, below which nobody sees anything in a picture.
+/// Residual, in standard deviations, below which nothing is visible in a picture.
 pub(super) const LEAST_SEEN: f64 = 1.0;
 
 /// Residuals of readings.
@@ -35,7 +35,7 @@ pub(super) struct Residual {
     pub value: f64,
 }
 
-/// The residuals of all readings that another reading checks.
+/// The residuals of all readings with redundancy.
 pub(super) fn residuals(fit: &Identification) -> Vec<Residual> {
     let of = |reading: &tautline_core::estimation::Observation| {
         let (quantity, cable) = group_of(reading.kind)?;
@@ -71,13 +71,13 @@ pub(super) fn strengths<K: Ord>(
     groups
 }
 
-/// Place of a kind of reading among all, to sort by.
+/// Index of a kind of reading in the order of all kinds.
 pub(super) fn order(quantity: Quantity) -> usize {
     let mut all = Quantity::ALL.into_iter();
     all.position(|other| other == quantity).unwrap_or_default()
 }
 
-/// Over what readings are drawn: the variable on which an effect depends, or the poses.
+/// Abscissa of the readings: the variable on which an effect depends, or the poses.
 pub(super) struct Abscissa<'a> {
     fit: &'a Identification,
     variable: Option<Variable>,
@@ -85,7 +85,7 @@ pub(super) struct Abscissa<'a> {
 }
 
 impl<'a> Abscissa<'a> {
-    /// That of an effect for the readings of some groups: its own variable if all of them have it.
+    /// The abscissa of an effect for the readings of some groups: its own variable if all of them have it.
     pub fn of(fit: &'a Identification, effect: &Effect, groups: &[Group]) -> Self {
         let mut abscissa = Self {
             fit,

@@ -1,8 +1,8 @@
-//! The image that an effect makes in the residuals: of every effect for a robot, as a gallery of mistakes to compare with, and of
-//! one hypothesis in measured readings.
+//! The image of an effect in the residuals: of every effect for a robot, as a gallery for comparison, and of one hypothesis in
+//! measured readings.
 //!
-//! An identification moves geometry and poses so that residuals become small, and so hides a part of every effect. What is
-//! shown is what remains: the residuals of an identification that does not know the effect.
+//! An identification moves geometry and poses so that residuals become small, and so hides a part of every effect. The images
+//! show the remaining part: the residuals of an identification that does not know the effect.
 
 mod gallery;
 mod image;

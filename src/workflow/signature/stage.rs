@@ -1,4 +1,4 @@
-//! A run without noise on which every effect is played once.
+//! A run without noise in which every effect is simulated once.
 
 use std::cell::OnceCell;
 
@@ -16,7 +16,7 @@ use super::image::{Image, LEAST_SEEN, MOST_IMAGES, image_of, order, residuals, s
 use super::size_in_words;
 use crate::identification::{Identification, IdentificationRequest, identify};
 
-/// Poses where the robot has no own ones: enough for a picture, and determined many times over.
+/// Number of poses if the robot has none of its own: enough for a picture, and a large redundancy.
 const POSES: usize = 40;
 /// Seed of these poses.
 const SEED: u64 = 1;
@@ -37,13 +37,13 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// Takes the given poses if the robot can hold all of them in the simulation, else others of its workspace.
+    /// Uses the given poses if the robot can hold all of them in the simulation, otherwise poses drawn from its workspace.
     ///
     /// # Errors
     /// If the robot can be held nowhere.
     pub fn new(robot: &Robot, poses: &[Pose]) -> Result<Self, SimulationError> {
         let mut robot = robot.clone();
-        // Tolerances would hide a part of what is to be seen.
+        // Tolerances would hide part of the effect.
         robot.tolerances = None;
         robot.deviations.clear();
         let drawn = SimulationOptions {
@@ -90,7 +90,7 @@ impl Stage {
         }
     }
 
-    /// The effect on the first cables that it can be on, at a pose in the middle.
+    /// The effect on the first possible cables, at a pose in the middle.
     fn typical(&self, effect: &'static Effect) -> Result<BoundEffect, String> {
         let cables = self.robot.cables.iter().map(|cable| cable.name.clone());
         let targets: Vec<String> = match effect.scope() {

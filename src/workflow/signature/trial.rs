@@ -1,4 +1,4 @@
-//! A hypothesis in measured readings, by itself: where it fits best, and which part of the residuals it explains.
+//! A hypothesis alone in measured readings: the target where it fits best, and the part of the residuals that it explains.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use crate::identification::{Identification, IdentificationRequest, effect_sizes,
 use crate::plot::figure::{Ink, Marker, Series};
 use crate::wording::list;
 
-/// Targets on which the hypothesis is fitted: more would be no better than these.
+/// Largest number of targets on which the hypothesis is fitted: further ones would not be better.
 const MOST_PLACEMENTS: usize = 4;
 
-/// What a hypothesis does by itself to the residuals of a session.
+/// Result of fitting a hypothesis alone to the residuals of a session.
 #[derive(Debug, Clone)]
 pub struct Trial {
     /// Targets on which it was fitted, the most probable first.
@@ -35,14 +35,14 @@ pub struct Placement {
     pub setting: EffectSetting,
     /// Its identified size with standard deviations.
     pub size: String,
-    /// Chi-square of the readings without and with it.
+    /// Chi-square of the readings without and with the hypothesis.
     pub chi2: [f64; 2],
-    /// Residuals without it, and what it explains of them, where that is most.
+    /// Residuals without the hypothesis, and its contribution to them, for the readings where that is largest.
     pub images: Vec<Image>,
 }
 
 impl Placement {
-    /// What it explains of the residuals, one sentence.
+    /// Share of the residuals that the hypothesis explains, in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let [before, after] = self.chi2;
@@ -65,7 +65,7 @@ pub fn try_hypothesis(
     goes_on: &dyn Fn() -> Control,
 ) -> Result<Option<Trial>, String> {
     let mut session = session.clone();
-    // What it explains would be explained already.
+    // Without this, the present instance of the effect would already explain the residuals.
     let effects = &mut session.settings.identification.effects;
     let count = effects.len();
     effects.retain(|one| one.effect != hypothesis.id());
@@ -158,7 +158,7 @@ fn fitted(
     }))
 }
 
-/// The readings of which the effect explains most: their residuals without it, and that part.
+/// The readings of which the effect explains most: their residuals without the effect, and the explained part.
 fn images(before: &Identification, after: &Identification, bound: &BoundEffect) -> Vec<Image> {
     let left = residuals(after);
     let is_same = |(one, other): &(Residual, &Residual)| {

@@ -1,4 +1,4 @@
-//! Text of files and controllers, which can contain anything, for terminals and reports.
+//! Text of files and controllers, which can contain any character, for terminals and reports.
 
 use std::borrow::Cow;
 

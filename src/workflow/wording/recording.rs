@@ -4,7 +4,7 @@ use tautline_core::measurement::{Measurements, Sampling};
 
 use super::count;
 
-/// Which samples of a recording are used, and why; `None` for poses at rest.
+/// Sentence on the samples of a recording that are used, with the reason; `None` for poses at rest.
 #[must_use]
 pub fn sampling_sentence(data: &Measurements) -> Option<String> {
     let sampling = &data.rates.as_ref()?.sampling;
@@ -23,7 +23,7 @@ pub fn sampling_sentence(data: &Measurements) -> Option<String> {
     Some(used + &why)
 }
 
-/// How many of `measured` poses an identification used, and why not all: `1497 of 60001 poses: ...`.
+/// Number of the `measured` poses that an identification used, with the reason if not all: `1497 of 60001 poses: ...`.
 #[must_use]
 pub fn poses_used(used: &Measurements, measured: usize) -> String {
     let poses = count(measured, "pose");

@@ -8,7 +8,7 @@ use super::count;
 use super::local_time::date_and_time;
 use crate::diagnosis::DiagnosisDocument;
 
-/// How a session stands, in a few words: accepted, written, diagnosed with so many findings, or nothing yet.
+/// State of a session in a few words: accepted, written, or diagnosed with its number of findings; `None` before that.
 #[must_use]
 pub fn session_verdict(session: &Session) -> Option<String> {
     if session
@@ -30,7 +30,7 @@ pub fn session_verdict(session: &Session) -> Option<String> {
     }
 }
 
-/// What tells a session from others of the same name: `measured 2026-03-02 10:00, mini, 1 finding, monday.json`.
+/// Facts that tell a session from others of the same name: `measured 2026-03-02 10:00, mini, 1 finding, monday.json`.
 #[must_use]
 pub fn session_facts(
     measured: Option<Timestamp>,

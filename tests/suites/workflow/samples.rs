@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use tautline_core::diagnosis::{Finding, Verdict};
 use tautline_core::estimation::Control;
-use tautline_core::history::{CERTAIN, Part};
+use tautline_core::history::{CERTAIN, RobotPart};
 use tautline_session::{Session, Timestamp, read_session, write_session};
 use tautline_validation::generators::sessions::{Made, RECIPES, Recipe, folder, make};
 use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
@@ -200,8 +200,8 @@ fn the_year_of_mini_shows_the_moved_pulley_and_the_new_cable_and_nothing_else() 
     let [(pulley, june), (drum, september)] = certain[..] else {
         panic!("{certain:?}");
     };
-    assert_eq!((pulley, june), (&Part::Pulley(2), [2, 3]));
-    assert!(matches!(drum, Part::Effect { effect, .. } if effect == "winch_scale"));
+    assert_eq!((pulley, june), (&RobotPart::Pulley(2), [2, 3]));
+    assert!(matches!(drum, RobotPart::Effect { effect, .. } if effect == "winch_scale"));
     assert_eq!(september, [4, 5]);
     assert_eq!(history.evident_drifts().count(), 0);
 }

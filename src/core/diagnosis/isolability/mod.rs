@@ -61,7 +61,7 @@ pub struct ExpectedFault {
     pub detection: f64,
 }
 
-/// How well a fault can be told from another.
+/// Expected separability of a fault from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedPair {
     /// Expected log Bayes factor of the fault that is present over the other one.
@@ -79,7 +79,7 @@ pub struct Isolability {
 }
 
 impl Isolability {
-    /// How well the fault with index `present` can be told from that with index `other`.
+    /// Expected separability of the fault with index `present` from that with index `other`.
     #[must_use]
     pub fn pair(&self, present: usize, other: usize) -> ExpectedPair {
         self.pairs[present * self.faults.len() + other]
@@ -91,13 +91,13 @@ impl Isolability {
     pub fn rivals(&self, present: usize, least: f64) -> Vec<usize> {
         let confusion = |other: &usize| self.pair(present, *other).confusion;
         let others = (0..self.faults.len()).filter(|other| *other != present);
-        let mut found: Vec<usize> = others.filter(|other| confusion(other) >= least).collect();
-        found.sort_by(|a, b| confusion(b).total_cmp(&confusion(a)).then(a.cmp(b)));
-        found
+        let mut rivals: Vec<usize> = others.filter(|other| confusion(other) >= least).collect();
+        rivals.sort_by(|a, b| confusion(b).total_cmp(&confusion(a)).then(a.cmp(b)));
+        rivals
     }
 }
 
-/// Predicts what the poses of a dataset would reveal. The values of its readings do not matter, only which readings
+/// Predicts the faults that the poses of a dataset would reveal. The values of its readings do not matter, only which readings
 /// there are at which poses.
 ///
 /// # Errors
@@ -109,8 +109,8 @@ pub fn isolability(dataset: &Dataset) -> Result<Isolability, EstimationError> {
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
-    let at = LinearFit::new(&fit, true);
-    let mut gram = at.gram(&at.linear.described(AS_STATED));
+    let linear_fit = LinearFit::new(&fit, true);
+    let mut gram = linear_fit.gram(&linear_fit.linear.described(AS_STATED));
     let candidates: Vec<CandidateFault> = representatives(gram.candidates)
         .into_iter()
         .map(|index| CandidateFault::new(&gram, index))
@@ -118,7 +118,7 @@ pub fn isolability(dataset: &Dataset) -> Result<Isolability, EstimationError> {
     Ok(ExpectedScores::new(&mut gram, candidates).isolability())
 }
 
-/// How well the poses of a dataset show a fault.
+/// Visibility of a fault at the poses of a dataset.
 #[derive(Debug, Clone)]
 pub struct ShownFault {
     /// Effect and target, at typical size.
@@ -129,7 +129,7 @@ pub struct ShownFault {
     pub typical_range: [f64; 2],
 }
 
-/// How well the poses of a dataset show each fault. As for [`isolability`], the values of the readings do not matter.
+/// Visibility of each fault at the poses of a dataset. As for [`isolability`], the values of the readings do not matter.
 ///
 /// # Errors
 /// If the readings cannot be used with the robot.
@@ -140,9 +140,9 @@ pub fn shown_faults(dataset: &Dataset) -> Result<Vec<ShownFault>, EstimationErro
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
-    let at = LinearFit::new(&fit, true);
-    let gram = at.gram(&at.linear.described(AS_STATED));
-    let of = |index: usize| {
+    let linear_fit = LinearFit::new(&fit, true);
+    let gram = linear_fit.gram(&linear_fit.linear.described(AS_STATED));
+    let shown = |index: usize| {
         let parameter = size_parameter(gram.candidates[index].effect())?;
         let fault = CandidateFault::new(&gram, index);
         let square = &gram.scores[index].information * &fault.size;
@@ -154,8 +154,8 @@ pub fn shown_faults(dataset: &Dataset) -> Result<Vec<ShownFault>, EstimationErro
             cause: fault.cause,
         })
     };
-    let all = representatives(gram.candidates).into_iter();
-    Ok(all.filter_map(of).collect())
+    let indices = representatives(gram.candidates).into_iter();
+    Ok(indices.filter_map(shown).collect())
 }
 
 /// Log posterior odds of single causes against no cause in the readings of a dataset, with noise as described: the
@@ -171,22 +171,22 @@ pub fn log_odds(dataset: &Dataset, causes: &[Cause]) -> Result<Vec<f64>, Estimat
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
-    let at = LinearFit::new(&fit, true);
-    let gram = at.gram(&at.linear.described(AS_STATED));
-    let of = |cause: &Cause| {
+    let linear_fit = LinearFit::new(&fit, true);
+    let gram = linear_fit.gram(&linear_fit.linear.described(AS_STATED));
+    let odds_of = |cause: &Cause| {
         let index = gram.candidates.iter().position(|c| c.represents(cause));
         index.map_or(f64::NEG_INFINITY, |index| {
             let CandidateScore { score, information } = &gram.scores[index];
             Evidence::new(&gram.candidates[index], information).log_odds(score.as_slice())
         })
     };
-    Ok(causes.iter().map(of).collect())
+    Ok(causes.iter().map(odds_of).collect())
 }
 
 /// Selects one candidate for each effect and target: events in the middle of the poses, waves in the middle of the
 /// periods. Families are left out, because they are no additional faults.
 fn representatives(candidates: &[Candidate]) -> Vec<usize> {
-    let mut found = Vec::new();
+    let mut chosen = Vec::new();
     let mut first = 0;
     for until in 1..=candidates.len() {
         if until < candidates.len()
@@ -196,14 +196,13 @@ fn representatives(candidates: &[Candidate]) -> Vec<usize> {
         }
         let middle = usize::midpoint(first, until - 1);
         if !candidates[middle].is_family() {
-            found.push(middle);
+            chosen.push(middle);
         }
         first = until;
     }
-    found
+    chosen
 }
 
-/// A candidate fault.
 struct CandidateFault {
     cause: Cause,
     evidence: Evidence,
@@ -246,19 +245,19 @@ impl ExpectedScores {
             first.push(columns.len());
             columns.extend(one.first..one.first + one.size.len());
         }
-        let mut all = DMatrix::zeros(columns.len(), columns.len());
-        for (at, column) in columns.iter().enumerate() {
+        let mut matrix = DMatrix::zeros(columns.len(), columns.len());
+        for (from, column) in columns.iter().enumerate() {
             let row = gram.row(*column);
             for (to, other) in columns.iter().enumerate() {
-                all[(at, to)] = row[*other];
+                matrix[(from, to)] = row[*other];
             }
         }
-        let all = (&all + all.transpose()) * 0.5;
+        let matrix = (&matrix + matrix.transpose()) * 0.5;
         let mut means = DMatrix::zeros(columns.len(), candidates.len());
         for (index, one) in candidates.iter().enumerate() {
-            let own = all.columns(first[index], one.size.len());
+            let block = matrix.columns(first[index], one.size.len());
             // Residuals are predictions minus readings.
-            means.set_column(index, &(own * &one.size * -1.0));
+            means.set_column(index, &(block * &one.size * -1.0));
         }
         let most = candidates
             .iter()
@@ -271,7 +270,7 @@ impl ExpectedScores {
         Self {
             candidates,
             first,
-            gram: all,
+            gram: matrix,
             means,
             points,
         }
@@ -299,10 +298,10 @@ impl ExpectedScores {
         self.gram.view((a.0, b.0), (a.1, b.1)).into_owned()
     }
 
-    /// Mean of the score of `of` if `present` is the fault.
-    fn mean(&self, present: usize, of: usize) -> DVector<f64> {
-        let own = self.means.column(present);
-        own.rows(self.first[of], self.candidates[of].size.len())
+    /// Mean of the score of candidate `k` if `present` is the fault.
+    fn mean(&self, present: usize, k: usize) -> DVector<f64> {
+        let mean = self.means.column(present);
+        mean.rows(self.first[k], self.candidates[k].size.len())
             .into_owned()
     }
 
@@ -324,11 +323,11 @@ impl ExpectedScores {
 
     fn pair(&self, present: usize, other: usize) -> ExpectedPair {
         let [one, rival] = [present, other].map(|k| &self.candidates[k].evidence);
-        let [own, far] = [present, other].map(|k| self.mean(present, k));
+        let [near, far] = [present, other].map(|k| self.mean(present, k));
         let (within, beside) = (self.block(present, present), self.block(other, other));
         ExpectedPair {
-            log_bayes_factor: one.expected(&own, &within) - rival.expected(&far, &beside),
-            confusion: self.confusion(present, other, (&own, &within), (&far, &beside)),
+            log_bayes_factor: one.expected(&near, &within) - rival.expected(&far, &beside),
+            confusion: self.confusion(present, other, (&near, &within), (&far, &beside)),
         }
     }
 
@@ -336,13 +335,13 @@ impl ExpectedScores {
         &self,
         present: usize,
         other: usize,
-        (own, within): (&DVector<f64>, &DMatrix<f64>),
+        (near, within): (&DVector<f64>, &DMatrix<f64>),
         (far, beside): (&DVector<f64>, &DMatrix<f64>),
     ) -> f64 {
         if present == other || self.left_by(present, far, beside) > RULED_OUT {
             return 0.0;
         }
-        let count = own.len();
+        let count = near.len();
         let both = count + far.len();
         let mut covariance = DMatrix::zeros(both, both);
         let cross = self.block(present, other);
@@ -359,7 +358,7 @@ impl ExpectedScores {
             .view_mut((count, 0), (far.len(), count))
             .copy_from(&cross.transpose());
         let mut mean = DVector::zeros(both);
-        mean.rows_mut(0, count).copy_from(own);
+        mean.rows_mut(0, count).copy_from(near);
         mean.rows_mut(count, far.len()).copy_from(far);
         let mut scores = covariance_root(&covariance) * &self.points[both];
         let [one, rival] = [present, other].map(|k| &self.candidates[k].evidence);
@@ -385,13 +384,13 @@ pub(super) fn log_naming_odds() -> f64 {
     (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
 }
 
-/// Whether a cause with these log posterior odds against no cause is named or listed.
+/// Whether a cause with these log posterior odds against no cause becomes a finding, named or in a list of alternatives.
 #[must_use]
 pub fn is_seen(log_odds: f64) -> bool {
     log_odds >= log_naming_odds()
 }
 
-/// Whether something is detected, but `other` is not ruled out against the fault that is `present`. Both are log
+/// Whether a fault is detected but `other` is not ruled out against the fault that is `present`. Both arguments are log
 /// posterior odds against no cause.
 #[must_use]
 pub fn is_confused(present: f64, other: f64) -> bool {

@@ -56,8 +56,8 @@ fn readings_without_redundancy_are_no_exchanged_channels() {
     }
 }
 
-/// Where nobody knows the places of the pulleys, a drawing with two of them at each other's places explains what exchanged
-/// channels would.
+/// If the places of the pulleys are unknown, a drawing with two pulleys interchanged explains the same readings as exchanged
+/// channels.
 #[test]
 fn exchanged_pulleys_of_unknown_places_are_no_exchanged_channels() {
     let mut robot = plotter();

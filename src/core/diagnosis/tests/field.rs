@@ -1,4 +1,4 @@
-//! What goes wrong in the field: slack cables, wrong drawings, one event on all cables, several exchanges.
+//! Faults of robots in use: slack cables, wrong drawings, one event on all cables, several exchanges.
 
 use super::super::drawing::wrong_drawing;
 use super::super::{DrawingPattern, Verdict};
@@ -134,8 +134,8 @@ fn two_exchanges_are_found_together() {
     assert!(diagnosis.extended.adequate);
 }
 
-/// Entry points of MINI that are farther apart along x by twelve standard deviations of the drawing: the width is named as what is
-/// wrong, no part is.
+/// Entry points of MINI that are farther apart along x by twelve standard deviations of the drawing: the finding is the width,
+/// not a part.
 #[test]
 fn a_wrong_width_is_a_finding_of_the_drawing() {
     let preset = presets::find("mini").unwrap();

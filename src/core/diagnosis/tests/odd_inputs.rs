@@ -16,7 +16,7 @@ fn check(diagnosis: &Diagnosis) {
     check_parts(diagnosis);
 }
 
-/// Checks what holds for an interrupted one, too.
+/// Checks properties that an interrupted diagnosis has, too.
 fn check_parts(diagnosis: &Diagnosis) {
     let is_probability = |p: f64| (0.0..=1.0).contains(&p);
     for adequacy in [&diagnosis.base, &diagnosis.extended] {

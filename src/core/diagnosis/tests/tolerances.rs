@@ -1,4 +1,4 @@
-//! Diagnosis of machines whose every part is a little off.
+//! Diagnosis of machines whose parts all deviate within their tolerances.
 
 use nalgebra::DMatrix;
 

@@ -14,13 +14,13 @@ use crate::robot::Robot;
 pub struct NotAsText {
     /// The effect.
     pub effect: &'static str,
-    /// What it does that formulas cannot.
+    /// Property of the effect that formulas cannot express, as a verb phrase.
     pub reason: &'static str,
 }
 
 impl Effect {
     /// The text of a hypothesis file with the same physics, parameters and priors, in sentences about a robot like this one;
-    /// its identifier begins with `my_`. The text of a hypothesis is its own.
+    /// its identifier begins with `my_`. For a hypothesis, its own text.
     ///
     /// # Errors
     /// If formulas cannot express it.

@@ -1,5 +1,5 @@
-//! What formulas must satisfy, tried at made-up readings: neutral values change nothing, every parameter has an effect, and
-//! waves are waves.
+//! Checks of formulas at made-up readings: neutral values change nothing, every parameter has an effect, and waves are
+//! periodic.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -193,7 +193,7 @@ impl Trial<'_> {
         Ok(())
     }
 
-    /// Slopes by a parameter at every result; 0 where it has no finite value.
+    /// Slopes by a parameter at every result; 0 without a finite value.
     fn slopes(&self, values: &[f64], parameter: usize) -> Vec<f64> {
         let results = self.results(values, Some(parameter)).into_iter();
         results

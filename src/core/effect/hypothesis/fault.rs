@@ -34,7 +34,7 @@ pub struct HypothesisError {
     pub line: u64,
     /// Column in characters, counted from 1.
     pub column: u64,
-    /// What was found and what was expected, one sentence.
+    /// What was found and what was expected, in one sentence.
     pub message: String,
 }
 

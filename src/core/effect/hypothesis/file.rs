@@ -1,4 +1,4 @@
-//! Hypothesis files: the keys, their values and what they may be.
+//! Hypothesis files: the keys and their permitted values.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -59,7 +59,7 @@ struct ParameterEntry {
     role: Option<Text>,
 }
 
-/// What a parameter is besides a size.
+/// Role of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Role {
     Size,
@@ -76,12 +76,12 @@ struct Parameter {
     at: usize,
 }
 
-/// What the scope of a file permits.
+/// Target and permitted formulas of a scope in a file.
 struct FileScope {
     scope: Scope,
-    /// Whether a changeable quantity is permitted.
+    /// Whether formulas of this scope may change the quantity with a name.
     permits: fn(&str) -> bool,
-    /// Which ones are, for messages.
+    /// The permitted quantities, for messages.
     permitted: &'static str,
 }
 
@@ -524,7 +524,7 @@ fn values_of(
     })
 }
 
-/// How the doctor searches for it: from the roles of its parameters.
+/// The search of a diagnosis for the effect, from the roles of its parameters.
 fn search(formulas: &Formulas, parameters: &[Parameter]) -> Result<Search, Fault> {
     let of = |role: Role| parameters.iter().position(|p| p.role == role);
     let events = formulas

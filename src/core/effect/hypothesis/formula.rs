@@ -22,24 +22,24 @@ const MAX_OPERATIONS: usize = 512;
 pub(super) struct Variable {
     pub name: String,
     pub unit: Unit,
-    /// Whether it is the label of a pose.
+    /// Whether the parameter is the label of a pose.
     pub is_pose: bool,
 }
 
-/// What the names in a formula mean.
+/// The names that a formula may use.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Names<'n> {
     pub parameters: &'n [Variable],
     /// The quantity that the formula changes; by its name it has the value that earlier effects gave it.
     pub own: &'n str,
     pub own_dimension: Dimension,
-    /// Whether the quantity is of a cable.
+    /// Whether the changed quantity belongs to a cable.
     pub of_cable: bool,
     /// Whether the hypothesis concerns pairs of cables.
     pub of_pair: bool,
 }
 
-/// Which other cable a value is taken from.
+/// The other cable whose value is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Selector {
     Next,
@@ -50,7 +50,7 @@ enum Selector {
     Index(usize),
 }
 
-/// How a part of a formula depends on the quantity that the formula changes.
+/// Dependence of a subexpression on the quantity that the formula changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Dependence {
     None,
@@ -82,14 +82,14 @@ pub(super) struct Program {
     operations: Vec<Operation>,
     /// Whether the formula is the changed quantity times a factor.
     pub is_proportional: bool,
-    /// Whether it uses a quantity that is zero at rest.
+    /// Whether the formula uses a quantity that is zero at rest.
     pub uses_motion: bool,
     /// Parameters that select the first pose, and the only pose.
     pub from_pose: Option<usize>,
     pub at_pose: Option<usize>,
-    /// Parameters that it uses.
+    /// Parameters that the formula uses.
     pub parameters: Vec<usize>,
-    /// Largest number of a cable that it names.
+    /// Largest number of a cable in the formula.
     pub highest_cable: usize,
 }
 
@@ -263,9 +263,9 @@ impl Circumstances<'_> {
     }
 }
 
-/// A part of the formula that is compiled.
+/// A compiled operand of the formula.
 #[derive(Clone, Copy)]
-struct Part {
+struct Operand {
     /// Offset in the text.
     start: usize,
     /// Index of its first operation.
@@ -317,7 +317,7 @@ impl<'t> Compiler<'t> {
         Err(self.fault(format!("found {found}, expected \"{expected}\"")))
     }
 
-    /// What comes next, for messages.
+    /// The next character as a message quotes it.
     fn found(&mut self) -> String {
         match self.peek() {
             Some(found) => format!("\"{}\"", found.escape_debug()),
@@ -334,7 +334,7 @@ impl<'t> Compiler<'t> {
     }
 
     /// Parses operators that bind at least so strongly.
-    fn expression(&mut self, least: u8) -> Result<Part, Fault> {
+    fn expression(&mut self, least: u8) -> Result<Operand, Fault> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             let message = format!("found more than {MAX_DEPTH} levels of nesting, expected fewer");
@@ -359,7 +359,7 @@ impl<'t> Compiler<'t> {
         Ok(left)
     }
 
-    fn prefix(&mut self) -> Result<Part, Fault> {
+    fn prefix(&mut self) -> Result<Operand, Fault> {
         let next = self.peek();
         let start = self.at;
         match next {
@@ -367,7 +367,7 @@ impl<'t> Compiler<'t> {
                 self.at += 1;
                 let inner = self.expression(0)?;
                 self.need(')')?;
-                Ok(Part { start, ..inner })
+                Ok(Operand { start, ..inner })
             }
             Some('-') => {
                 self.at += 1;
@@ -398,7 +398,7 @@ impl<'t> Compiler<'t> {
     }
 
     /// A number, with a unit in square brackets if it has one.
-    fn number(&mut self) -> Result<Part, Fault> {
+    fn number(&mut self) -> Result<Operand, Fault> {
         let start = self.at;
         let _ = self.while_is(|c| c.is_ascii_digit() || c == '.');
         let mantissa = self.at;
@@ -443,13 +443,13 @@ impl<'t> Compiler<'t> {
             dimension,
             Dependence::None,
         )?;
-        Ok(Part {
+        Ok(Operand {
             constant: Some(value),
             ..part
         })
     }
 
-    fn value_of(&mut self, name: &'t str, start: usize) -> Result<Part, Fault> {
+    fn value_of(&mut self, name: &'t str, start: usize) -> Result<Operand, Fault> {
         let dimension_of = |unit: &str| Unit::parse(unit).map(|unit| unit.dimension);
         if name == self.names.own {
             let dimension = Some(self.names.own_dimension);
@@ -471,7 +471,7 @@ impl<'t> Compiler<'t> {
             let pi = std::f64::consts::PI;
             let number = Some(Dimension::NUMBER);
             let part = self.push(Operation::Constant(pi), start, number, Dependence::None)?;
-            return Ok(Part {
+            return Ok(Operand {
                 constant: Some(pi),
                 ..part
             });
@@ -499,7 +499,7 @@ impl<'t> Compiler<'t> {
         }
     }
 
-    /// What to say about a name that has no meaning here.
+    /// Message about a name that has no meaning in this formula.
     fn unknown(&self, name: &str) -> String {
         if target(name).is_some() {
             return format!("found \"{name}\", which only its own formula can use");
@@ -515,7 +515,7 @@ impl<'t> Compiler<'t> {
     }
 
     /// A function, after its opening parenthesis.
-    fn call(&mut self, name: &'t str, start: usize) -> Result<Part, Fault> {
+    fn call(&mut self, name: &'t str, start: usize) -> Result<Operand, Fault> {
         if [FROM_POSE, AT_POSE].contains(&name) {
             return self.at_poses(name, start);
         }
@@ -533,7 +533,7 @@ impl<'t> Compiler<'t> {
                 Some(Dimension::NUMBER),
                 Dependence::Other,
             )?;
-            return Ok(Part { start, ..part });
+            return Ok(Operand { start, ..part });
         }
         if let Some((_, function, power)) = UNARY_OF_UNIT.iter().find(|(known, ..)| *known == name)
         {
@@ -545,7 +545,7 @@ impl<'t> Compiler<'t> {
                 dimension,
                 Dependence::Other,
             )?;
-            return Ok(Part { start, ..part });
+            return Ok(Operand { start, ..part });
         }
         if let Some((_, function, is_number)) = BINARY.iter().find(|(known, ..)| *known == name) {
             let first = self.expression(0)?;
@@ -563,7 +563,7 @@ impl<'t> Compiler<'t> {
             };
             let operation = Operation::Binary(*function);
             let part = self.apply(operation, &[first, second], dimension, Dependence::Other)?;
-            return Ok(Part { start, ..part });
+            return Ok(Operand { start, ..part });
         }
         match name.strip_suffix(OF).and_then(quantity) {
             Some(_) => self.of_another(name, start),
@@ -579,7 +579,7 @@ impl<'t> Compiler<'t> {
     }
 
     /// `step(POSE)` or `only(POSE)`.
-    fn at_poses(&mut self, name: &str, start: usize) -> Result<Part, Fault> {
+    fn at_poses(&mut self, name: &str, start: usize) -> Result<Operand, Fault> {
         let _ = self.peek();
         let at = self.at;
         let argument = self.while_is(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -603,7 +603,7 @@ impl<'t> Compiler<'t> {
     }
 
     /// `QUANTITY_of(CABLE)`: values of other cables are as read, so that none depends on itself.
-    fn of_another(&mut self, name: &str, start: usize) -> Result<Part, Fault> {
+    fn of_another(&mut self, name: &str, start: usize) -> Result<Operand, Fault> {
         let base = name.strip_suffix(OF).unwrap_or(name);
         let found = quantity(base).filter(|q| q.is_of_cable());
         let Some((found, Source::Cable(of))) = found.map(|q| (q, q.source)) else {
@@ -644,7 +644,7 @@ impl<'t> Compiler<'t> {
         )
     }
 
-    fn combine(&mut self, operator: char, left: Part, right: Part) -> Result<Part, Fault> {
+    fn combine(&mut self, operator: char, left: Operand, right: Operand) -> Result<Operand, Fault> {
         use Dependence::{None as Not, Other, Proportional};
         let both = (left.dependence, right.dependence);
         let times = |exponent: f64| {
@@ -698,7 +698,7 @@ impl<'t> Compiler<'t> {
         }
     }
 
-    fn power(&mut self, base: Part, exponent: Part) -> Result<Part, Fault> {
+    fn power(&mut self, base: Operand, exponent: Operand) -> Result<Operand, Fault> {
         let is_number = exponent.dimension.is_none_or(Dimension::is_number);
         let Some(value) = exponent.constant.filter(|_| is_number) else {
             let message = "found an exponent that is not a constant, expected a number";
@@ -721,7 +721,7 @@ impl<'t> Compiler<'t> {
         start: usize,
         dimension: Option<Dimension>,
         dependence: Dependence,
-    ) -> Result<Part, Fault> {
+    ) -> Result<Operand, Fault> {
         let first = self.program.operations.len();
         if first == MAX_OPERATIONS {
             let message = format!("found more than {MAX_OPERATIONS} operations, expected fewer");
@@ -733,7 +733,7 @@ impl<'t> Compiler<'t> {
         }
         self.height += 1;
         self.program.operations.push(operation);
-        Ok(Part {
+        Ok(Operand {
             start,
             first,
             dimension,
@@ -742,15 +742,15 @@ impl<'t> Compiler<'t> {
         })
     }
 
-    /// Applies an operation to the parts on top of the stack; constants are computed at once.
+    /// Applies an operation to the operands on top of the stack; constants are computed at once.
     fn apply(
         &mut self,
         operation: Operation,
-        parts: &[Part],
+        parts: &[Operand],
         dimension: Option<Dimension>,
         dependence: Dependence,
-    ) -> Result<Part, Fault> {
-        let whole = Part {
+    ) -> Result<Operand, Fault> {
+        let whole = Operand {
             dimension,
             constant: None,
             dependence: match parts.iter().all(|p| p.dependence == Dependence::None) {
@@ -763,7 +763,7 @@ impl<'t> Compiler<'t> {
         let constants: Option<Vec<f64>> = parts.iter().map(|part| part.constant).collect();
         let Some(constants) = constants else {
             let part = self.push(operation, whole.start, dimension, whole.dependence)?;
-            return Ok(Part {
+            return Ok(Operand {
                 first: whole.first,
                 ..part
             });
@@ -789,15 +789,15 @@ impl<'t> Compiler<'t> {
             dimension,
             whole.dependence,
         )?;
-        Ok(Part {
+        Ok(Operand {
             constant: Some(value),
             ..part
         })
     }
 }
 
-/// The common unit of two parts; `None` for zeros.
-fn alike(first: &Part, second: &Part, expected: &str) -> Result<Option<Dimension>, Fault> {
+/// The common unit of two operands; `None` for zeros.
+fn alike(first: &Operand, second: &Operand, expected: &str) -> Result<Option<Dimension>, Fault> {
     match (first.dimension, second.dimension) {
         (Some(one), Some(other)) if one != other => Err(Fault::new(
             second.start,

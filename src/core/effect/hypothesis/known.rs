@@ -7,15 +7,15 @@ use crate::robot::Robot;
 /// Most hypotheses of a robot.
 pub const MAX_HYPOTHESES: usize = 100;
 
-/// Why a robot does not take a hypothesis.
+/// Reasons why a robot does not accept a hypothesis.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum HypothesisNotAdded {
-    /// It carries another one with the same identifier.
+    /// The robot carries a hypothesis with the same identifier and another text.
     #[error(
         "found the hypothesis \"{0}\" with another text than the robot carries, expected one text for each id"
     )]
     OtherText(String),
-    /// It carries as many as it can.
+    /// The robot carries the largest number of hypotheses.
     #[error("found more than {MAX_HYPOTHESES} hypotheses, expected at most so many")]
     TooMany,
 }

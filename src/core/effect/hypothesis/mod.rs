@@ -117,8 +117,8 @@ impl Hypothesis {
         self.definition.prior
     }
 
-    /// The effect. The same text is always the same effect, so that effects can be compared by address; what it takes
-    /// of memory stays taken, as what the catalogue takes.
+    /// The effect. The same text is always the same effect, so that effects can be compared by address; its memory is never
+    /// freed, like that of the catalogue.
     #[must_use]
     pub fn effect(&self) -> &'static Effect {
         let mut effects = EFFECTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -179,12 +179,12 @@ impl Definition {
 }
 
 impl Formulas {
-    /// Whether they change a port of the cables.
+    /// Whether any formula changes this port of the cables.
     fn changes(&self, port: CablePort) -> bool {
         self.cable.iter().any(|(changed, _)| *changed == port)
     }
 
-    /// Largest number of a cable that they name, counted from 1; 0 without one.
+    /// Largest number of a cable in the formulas, counted from 1; 0 without one.
     fn highest_cable(&self) -> usize {
         let named = self.programs().map(|program| program.highest_cable);
         named.max().unwrap_or(0)
@@ -217,7 +217,7 @@ impl TextPhysics for Definition {
         self.formulas.highest_cable()
     }
 
-    /// Where a formula has no finite value, as after a division by a missing reading, nothing changes.
+    /// A formula without a finite value, as after a division by a missing reading, changes nothing.
     fn change_cable(
         &self,
         values: &[Dual],

@@ -2,12 +2,12 @@
 
 use super::super::{CableContext, CablePort, PlatformContext, PlatformPort};
 
-/// Where the value of a quantity comes from.
+/// Source of the value of a quantity.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
-    /// Every cable has its own.
+    /// A value for each cable.
     Cable(fn(&CableContext) -> f64),
-    /// The same for all cables at a pose.
+    /// One value for all cables at a pose.
     Pose(fn(&PlatformContext) -> f64),
 }
 
@@ -18,10 +18,10 @@ pub struct FormulaQuantity {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// What it is.
+    /// Definition of the quantity.
     pub meaning: &'static str,
     pub(super) source: Source,
-    /// Whether it differs from zero only on a moving platform.
+    /// Whether the quantity differs from zero only on a moving platform.
     pub(super) is_of_motion: bool,
 }
 
@@ -32,7 +32,7 @@ pub struct FormulaTarget {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// What it is.
+    /// Definition of the quantity.
     pub meaning: &'static str,
     pub(super) port: Port,
 }
@@ -476,7 +476,7 @@ pub(super) fn target(name: &str) -> Option<&'static FormulaTarget> {
 }
 
 impl FormulaQuantity {
-    /// Whether every cable has its own.
+    /// Whether each cable has a value of the quantity.
     #[must_use]
     pub fn is_of_cable(&self) -> bool {
         matches!(self.source, Source::Cable(_))
@@ -484,7 +484,7 @@ impl FormulaQuantity {
 }
 
 impl FormulaTarget {
-    /// Whether every cable has its own.
+    /// Whether each cable has a value of the quantity.
     #[must_use]
     pub fn is_of_cable(&self) -> bool {
         matches!(self.port, Port::Cable(_))

@@ -1,4 +1,4 @@
-//! Hypothesis files: what they mean, that the catalogue as text predicts what the catalogue predicts, and what is refused.
+//! Hypothesis files: their meaning, the catalogue as text, which predicts the same as the catalogue, and rejected files.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -746,7 +746,7 @@ fn nothing_grows_without_bound() {
     );
 }
 
-/// A quick fuzzing: whatever a file holds, there is a hypothesis or a sentence.
+/// A quick fuzzing: every file gives a hypothesis or a message.
 #[test]
 fn damaged_files_are_refused_in_one_sentence() {
     let seeds: Vec<String> = as_texts()

@@ -1,4 +1,4 @@
-//! Exchanged channels: put right by a model that names them.
+//! Exchanged channels are corrected by a model that names them.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,5 @@
-//! Effects of an external instrument come back, from simulated readings and from such as were moved by other means.
+//! Recovery of effects of an external instrument, from simulated readings and from readings displaced independently of the
+//! effects.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 

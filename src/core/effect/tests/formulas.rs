@@ -1,4 +1,4 @@
-//! What effects change, against numbers worked out by hand from the formulas of the table.
+//! Changes of the ports by the effects, against numbers worked out by hand from the formulas of the table.
 
 use super::slopes::ports_after;
 use crate::effect::{CablePorts, Dual, EffectSetting, PlatformPorts, find};

@@ -1,5 +1,4 @@
-//! Readings that are missing here and there: hidden effects come back all the same, and what no reading shows is
-//! refused.
+//! Missing readings: hidden effects are found nevertheless, and effects that no reading shows are rejected.
 
 use rand::RngExt;
 
@@ -18,7 +17,7 @@ const TARGET: usize = 2;
 /// Random cells that are emptied together.
 const SCATTERED: usize = 10;
 
-/// What is read once per cable or axis of an instrument.
+/// Kinds of readings, taken once per cable or per axis of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Quantity {
     Length,
@@ -81,8 +80,8 @@ fn holes(
     ]
 }
 
-/// Effects that are found in the readings of an instrument, at what its readings say: where one is missing, what stands
-/// for it is not exact, nor is what is found.
+/// Effects that act at the measured value of an instrument: where a reading is missing, its substitute is not exact, and
+/// neither is the found size.
 fn is_approximate(id: &str, quantity: Quantity) -> bool {
     match quantity {
         Quantity::Force => ["frame_compliance", "cable_stiffening"].contains(&id),
@@ -108,8 +107,8 @@ fn fit(dataset: &Dataset, setting: &EffectSetting) -> Result<Solution, Estimatio
     solve(&problem, &Options::default(), &mut |_| Control::Continue)
 }
 
-/// Largest difference of a hidden value from what was found, relative to it; `None` if what is left of the readings does
-/// not determine it to a thousandth.
+/// Largest difference between hidden and found values, relative to the hidden value; `None` if the remaining readings do not
+/// determine it to a thousandth.
 fn largest_error(setting: &EffectSetting, solution: &Solution) -> Option<f64> {
     let found = &solution.globals.effects[0];
     let estimated = solution.parameters.iter().enumerate();
@@ -127,7 +126,7 @@ fn largest_error(setting: &EffectSetting, solution: &Solution) -> Option<f64> {
     Some(largest)
 }
 
-/// Empties every pattern of cells of a run with each effect hidden; returns how many fits found it.
+/// Empties every pattern of cells of a run with each effect hidden; returns the number of fits that found the effect.
 fn check_holes(robot: &Robot, ids: impl Iterator<Item = &'static str>) -> usize {
     let mut checked = 0;
     for setting in ids.map(typical) {

@@ -1,4 +1,4 @@
-//! Effects: the catalogue against its table, slopes, formulas, and whether hidden effects come back.
+//! Effects: the catalogue against its table, slopes, formulas, and the recovery of hidden effects.
 
 mod binding;
 mod exchange;
@@ -11,7 +11,7 @@ mod texts;
 
 use super::CATALOGUE;
 
-/// The identifiers of the project's table of effects, `unknown` excepted: it is what no effect explains.
+/// The identifiers of the project's table of effects except `unknown`, which stands for errors that no effect explains.
 const TABLE: [&str; 36] = [
     "winch_scale",
     "winch_scale_common",

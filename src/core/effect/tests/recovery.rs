@@ -1,4 +1,4 @@
-//! Hidden effects come back: the geometry known, instruments so good that priors do not count.
+//! Recovery of hidden effects with known geometry and instruments so precise that priors do not matter.
 
 use crate::effect::{CATALOGUE, EffectRequest, EffectSetting, Scope, find};
 use crate::estimation::{Control, Method, Options, Problem, solve};
@@ -52,7 +52,7 @@ fn hide_in(robot: &Robot, settings: &[EffectSetting], geometry: TrueGeometry) ->
     simulate(robot, &options).unwrap()
 }
 
-/// A request for the effect that was hidden; what is given is given, as is the start of a period.
+/// A request for the hidden effect; given parameters keep their values, and a period starts 2 % off its value.
 pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     let effect = find(&setting.effect).unwrap();
     let given = effect.parameters().iter().filter_map(|p| {
@@ -71,7 +71,7 @@ pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     }
 }
 
-/// Frees what was hidden and compares, with this relative tolerance.
+/// Frees the hidden effect and compares its values, with this relative tolerance.
 pub(super) fn check_run(
     run: &Simulated,
     settings: &[EffectSetting],

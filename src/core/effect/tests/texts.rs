@@ -1,4 +1,4 @@
-//! What effects say, in the words of those who repair the robot.
+//! Texts of the effects, in the words of those who repair the robot.
 
 use crate::effect::{BoundEffect, Effect, Scope, Search, every_effect, find};
 use crate::robot::{Robot, presets};
@@ -10,7 +10,7 @@ fn mini() -> Robot {
     presets::find("mini").unwrap().robot
 }
 
-/// A robot whose cables read lengths and are called by where they are.
+/// A robot whose cables read lengths and are named after their corners.
 fn absolute() -> Robot {
     let mut robot = mini();
     robot.home = None;
@@ -61,7 +61,7 @@ fn everywhere(mut check: impl FnMut(&Robot, &BoundEffect)) {
     }
 }
 
-/// Whether a number with a minus sign is in the text; a minus sign before an axis is a direction.
+/// Whether the text has a negative number; a minus sign before an axis is a direction.
 fn has_negative_number(text: &str) -> bool {
     let minus = text.split('-').skip(1);
     let followed = |after: &str| after.starts_with(|c: char| c.is_ascii_digit());

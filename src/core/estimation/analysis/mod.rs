@@ -281,7 +281,7 @@ pub(super) fn sd_of<T: Packet>(
     }
 }
 
-/// Whether the tension of a cable is a reading with noise of its own at a row.
+/// Whether a force sensor with noise of its own reads the tension of a cable at a row.
 pub(super) fn is_tension_read<T: Packet>(
     problem: &Problem<'_>,
     evaluator: &Evaluator<'_, T>,
@@ -317,7 +317,7 @@ fn prior_redundancies(
 struct Collector<'a> {
     problem: &'a Problem<'a>,
     covariance: Option<&'a DMatrix<f64>>,
-    /// Whether single readings are kept, not only their sums.
+    /// Whether single readings are kept rather than only their sums.
     keeps_all: bool,
     observations: Vec<Observation>,
     sums: ResidualSums,

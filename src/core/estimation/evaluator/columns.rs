@@ -7,7 +7,7 @@ use crate::real::Packet;
 
 /// Location of a quantity: one packet for all poses, or one per batch of poses.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Column {
+pub(super) struct StoredColumn {
     offset: usize,
     stride: usize,
 }
@@ -45,28 +45,26 @@ impl<T: Packet> ColumnStore<T> {
     }
 
     /// Adds a quantity that is the same at all poses.
-    pub fn uniform(&mut self, value: f64) -> Column {
+    pub fn uniform(&mut self, value: f64) -> StoredColumn {
         let offset = self.values.len() / T::LANES;
         extend(&mut self.values, std::iter::repeat_n(value, T::LANES));
-        Column { offset, stride: 0 }
+        StoredColumn { offset, stride: 0 }
     }
 
     /// Adds a quantity with one value per pose; the last packet is padded with `padding`.
-    pub fn varying(&mut self, values: impl Iterator<Item = f64>, padding: f64) -> Column {
+    pub fn varying(&mut self, values: impl Iterator<Item = f64>, padding: f64) -> StoredColumn {
         let start = self.values.len();
         extend(&mut self.values, values);
         let count = self.values.len() - start;
         let missing = count.next_multiple_of(T::LANES) - count;
         extend(&mut self.values, std::iter::repeat_n(padding, missing));
-        Column {
-            offset: start / T::LANES,
-            stride: 1,
-        }
+        let offset = start / T::LANES;
+        StoredColumn { offset, stride: 1 }
     }
 
     /// Loads the ports of a cable for a batch.
     #[inline(always)]
-    pub fn load_cable(&self, ports: &CablePorts<Column>, batch: usize) -> CablePorts<T> {
+    pub fn load_cable(&self, ports: &CablePorts<StoredColumn>, batch: usize) -> CablePorts<T> {
         CablePorts {
             paid: self.load(ports.paid, batch),
             tension: self.load(ports.tension, batch),
@@ -83,7 +81,11 @@ impl<T: Packet> ColumnStore<T> {
 
     /// Loads the ports of the platform for a batch.
     #[inline(always)]
-    pub fn load_platform(&self, ports: &PlatformPorts<Column>, batch: usize) -> PlatformPorts<T> {
+    pub fn load_platform(
+        &self,
+        ports: &PlatformPorts<StoredColumn>,
+        batch: usize,
+    ) -> PlatformPorts<T> {
         PlatformPorts {
             mass: self.load(ports.mass, batch),
             center_of_mass: self.load_three(&ports.center_of_mass, batch),
@@ -101,7 +103,7 @@ impl<T: Packet> ColumnStore<T> {
 
     /// Loads the first three of the given columns for a batch.
     #[inline(always)]
-    pub fn load_three(&self, columns: &[Column], batch: usize) -> [T; 3] {
+    pub fn load_three(&self, columns: &[StoredColumn], batch: usize) -> [T; 3] {
         [
             self.load(columns[0], batch),
             self.load(columns[1], batch),
@@ -111,11 +113,8 @@ impl<T: Packet> ColumnStore<T> {
 
     /// Loads a column for a batch.
     #[inline(always)]
-    pub fn load(&self, column: Column, batch: usize) -> T {
-        T::load(
-            self.token,
-            &self.values,
-            column.offset + column.stride * batch,
-        )
+    pub fn load(&self, column: StoredColumn, batch: usize) -> T {
+        let packet = column.offset + column.stride * batch;
+        T::load(self.token, &self.values, packet)
     }
 }

@@ -1,9 +1,9 @@
 //! Ports of a cable or of the platform at one row under the effects that act on them, with the slopes by the effects'
 //! parameters.
 //!
-//! An effect changes each port by itself, as a function of that port alone, so the slope by a parameter is the slope
-//! that its own effect gives to the port, times the derivatives by the port of what later effects make of it. Directions are the
-//! exception: a tilt mixes their components, so slopes of directions pass through the later effects one by one.
+//! An effect changes each port by itself, as a function of that port alone, so the slope by a parameter is the slope that its
+//! own effect gives to the port, times the derivatives of the later effects by the port. Directions are the exception: a tilt
+//! mixes their components, so slopes of directions pass through the later effects one by one.
 
 use crate::effect::{CablePort, CablePorts, Dual, PlatformPort, PlatformPorts};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::columns::{Column, ColumnStore};
+use super::columns::{ColumnStore, StoredColumn};
 use super::effects_on_ports::{EffectsOnPorts, Ports, Variable};
 use super::layout::Layout;
 use super::motion::MotionColumns;
@@ -25,7 +25,7 @@ pub(super) struct Link<Port> {
     pub parameter: usize,
     /// Index of that column among those of the owner of the port, a cable or the platform.
     pub own: usize,
-    pub slope: Column,
+    pub slope: StoredColumn,
     /// Whether the slope is proportional to the port, so that it is evaluated at the estimate of the port rather than at its
     /// reading: noise common to both would bias the parameter.
     pub is_proportional: bool,
@@ -38,7 +38,7 @@ pub(super) struct Link<Port> {
 pub(super) struct PortInputs<T: Packet> {
     pub store: ColumnStore<T>,
     pub cables: Vec<CableColumns>,
-    pub platform: PlatformPorts<Column>,
+    pub platform: PlatformPorts<StoredColumn>,
     pub platform_links: Vec<Link<PlatformPort>>,
     /// Motion of the platform; `None` at rest.
     pub motion: Option<MotionColumns>,
@@ -47,7 +47,7 @@ pub(super) struct PortInputs<T: Packet> {
 /// Ports of one cable, and the action of the free effects on them.
 #[derive(Clone)]
 pub(super) struct CableColumns {
-    pub ports: CablePorts<Column>,
+    pub ports: CablePorts<StoredColumn>,
     pub links: Vec<Link<CablePort>>,
 }
 
@@ -133,9 +133,9 @@ fn nominal_cable_ports(
     CablePorts::nominal(cable, paid, tension)
 }
 
-/// Derivative of a port with respect to the reading behind it, at one row; its slope is that by the `chosen`
-/// parameter. Every effect that acts on a reading scales it or adds to it. The noise belongs to the reading, so what
-/// scales a reading scales its noise: otherwise, shrinking the readings would seem to improve the fit.
+/// Derivative of a port with respect to the reading behind it, at one row; its slope is that by the `chosen` parameter. Every
+/// effect that acts on a reading scales it or adds to it. A factor on a reading applies to its noise, too: otherwise, shrinking
+/// the readings would seem to improve the fit.
 fn reading_gain(
     problem: &Problem<'_>,
     globals: &Globals,
@@ -259,7 +259,7 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-/// What the ports are packed from.
+/// Inputs from which the ports are packed.
 #[derive(Clone, Copy)]
 struct Source<'s> {
     problem: &'s Problem<'s>,
@@ -361,7 +361,7 @@ fn ports_and_slopes<P: Ports>(
 fn pack_platform<T: Packet>(
     store: &mut ColumnStore<T>,
     from: Source<'_>,
-) -> (PlatformPorts<Column>, Vec<Link<PlatformPort>>) {
+) -> (PlatformPorts<StoredColumn>, Vec<Link<PlatformPort>>) {
     let nominal = PlatformPorts::nominal(&from.problem.dataset.robot);
     let concerned = concerned(from.globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
@@ -476,7 +476,7 @@ fn pack_without_effects<T: Packet>(
     store: &mut ColumnStore<T>,
     from: Source<'_>,
     index: usize,
-) -> CablePorts<Column> {
+) -> CablePorts<StoredColumn> {
     let Source {
         problem, selection, ..
     } = from;
@@ -504,7 +504,7 @@ fn pack<T: Packet, P>(
     ports: &[P],
     padding: Option<f64>,
     pick: impl Fn(&P) -> f64,
-) -> Column {
+) -> StoredColumn {
     let (Some(first), Some(last)) = (ports.first().map(&pick), ports.last().map(&pick)) else {
         return store.uniform(0.0);
     };

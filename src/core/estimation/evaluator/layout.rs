@@ -19,7 +19,7 @@ pub(in crate::estimation) struct Layout {
     /// The columns of effects on which the rows of each cable can depend, then those for the platform's instruments; in
     /// rising order, counted from [`Self::effect_column`].
     effects_of_owner: Vec<Vec<usize>>,
-    /// Where the derivatives of each row by its effects begin, then their number.
+    /// Offset of the derivatives of each row by its effects, then the number of all of them.
     first_effect: Vec<usize>,
     /// First row of each kind that the problem has; the length rows precede them, one per cable.
     pub equilibrium: Option<usize>,
@@ -124,7 +124,7 @@ impl Layout {
         &self.effects_of_owner[self.cables]
     }
 
-    /// Where the derivatives of a row by the columns of [`Self::effects_of`] are stored.
+    /// Range of the stored derivatives of a row by the columns of [`Self::effects_of`].
     pub fn effect_range(&self, row: usize) -> Range<usize> {
         self.first_effect[row]..self.first_effect[row + 1]
     }

@@ -68,7 +68,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     free: [f64; 6],
     /// 1 for components of the wrench that are in equilibrium, otherwise 0.
     in_equilibrium: [f64; 6],
-    /// Whether the equations carry the details that only the home row and reports need.
+    /// Whether the equations include the details needed only by the home row and by reports.
     pub detailed: bool,
     /// Poses, packet by packet; the previous ones are kept so that a step can be undone.
     packed_poses: Packed,
@@ -427,7 +427,7 @@ struct Assemble<'e, 'a, T: Packet> {
     step: Option<&'e [f64]>,
     huber: Option<f64>,
     damping: f64,
-    /// Whether the elimination is stored.
+    /// Whether the pass stores the elimination.
     stores: bool,
 }
 

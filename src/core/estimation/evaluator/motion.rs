@@ -1,6 +1,6 @@
 //! Terms that motion adds to the equations of a packet of poses: inertia, and the delay of an external instrument.
 
-use super::columns::{Column, ColumnStore};
+use super::columns::{ColumnStore, StoredColumn};
 use super::equations::Equations;
 use super::inputs::Selection;
 use super::layout::Layout;
@@ -12,10 +12,10 @@ use crate::real::{Packet, Real, add_scaled, cross, dot, scaled};
 /// Motion of the platform at all poses.
 #[derive(Clone)]
 pub(super) struct MotionColumns {
-    pub velocity: Vec<Column>,
-    pub acceleration: Vec<Column>,
+    pub velocity: Vec<StoredColumn>,
+    pub acceleration: Vec<StoredColumn>,
     /// Acceleration of the centre of mass, then `I alpha + w x I w` (m/s^2, N m).
-    pub inertia: Vec<Column>,
+    pub inertia: Vec<StoredColumn>,
 }
 
 impl MotionColumns {
@@ -27,7 +27,7 @@ impl MotionColumns {
     ) -> Option<Self> {
         problem.dataset.measurements.rates.as_ref()?;
         let contexts = selection.contexts.as_ref()?;
-        let mut six = |of: &dyn Fn(&PlatformContext, usize) -> f64| -> Vec<Column> {
+        let mut six = |of: &dyn Fn(&PlatformContext, usize) -> f64| -> Vec<StoredColumn> {
             let column = |k: usize| {
                 let values = selection.rows.iter();
                 store.varying(values.map(|row| of(contexts.platform(*row), k)), 0.0)

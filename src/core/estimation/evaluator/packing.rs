@@ -2,7 +2,7 @@
 
 use super::POSE_NUMBERS;
 use super::cable_rows::CableConstants;
-use super::columns::{Column, ColumnStore, Packed, packed};
+use super::columns::{ColumnStore, Packed, StoredColumn, packed};
 use super::layout::Layout;
 use crate::estimation::problem::Problem;
 use crate::geometry::Pose;
@@ -11,12 +11,12 @@ use crate::real::Packet;
 /// Readings of the platform's instruments.
 #[derive(Clone)]
 pub(super) struct InstrumentInputs {
-    pub laser: Column,
-    pub swivel: Vec<Column>,
-    pub tracker_position: Vec<Column>,
-    pub tracker_inverse_sd: Vec<Column>,
-    pub tracker_orientation: Vec<Column>,
-    pub inclination: Vec<Column>,
+    pub laser: StoredColumn,
+    pub swivel: Vec<StoredColumn>,
+    pub tracker_position: Vec<StoredColumn>,
+    pub tracker_inverse_sd: Vec<StoredColumn>,
+    pub tracker_orientation: Vec<StoredColumn>,
+    pub inclination: Vec<StoredColumn>,
 }
 
 /// Constants of each cable; at home, lengths are predictions and tensions are not
@@ -74,7 +74,7 @@ pub(super) fn pack_instruments<T: Packet>(
 ) -> InstrumentInputs {
     let data = &problem.dataset.measurements;
     let nan = f64::NAN;
-    let mut triple = |present: bool, column: &[[f64; 3]]| -> Vec<Column> {
+    let mut triple = |present: bool, column: &[[f64; 3]]| -> Vec<StoredColumn> {
         let count = if present { 3 } else { 0 };
         let pack = |k: usize| store.varying(rows.iter().map(|row| column[*row][k]), nan);
         (0..count).map(pack).collect()

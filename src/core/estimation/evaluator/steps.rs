@@ -99,7 +99,7 @@ impl<T: Packet> Evaluator<'_, T> {
         self.eliminated.step.take()
     }
 
-    /// Whether the pass that eliminates the poses stores what their steps need.
+    /// Whether the pass that eliminates the poses stores the elimination for their steps; not if it were too large.
     pub(super) fn is_stored(&self) -> bool {
         self.batches() * self.stored_per_packet() <= self.eliminated.largest_store
     }

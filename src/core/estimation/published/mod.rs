@@ -165,7 +165,7 @@ pub struct PublishedResult {
     pub history: Vec<PublishedIterate>,
     /// Number of steps taken.
     pub iterations: usize,
-    /// Why it stopped.
+    /// Reason why the iteration stopped.
     pub stop: PublishedStop,
 }
 

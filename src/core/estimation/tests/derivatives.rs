@@ -13,7 +13,7 @@ const STEP: f64 = 1e-5;
 /// the differences, and far below what a wrong term would cause.
 const TOLERANCE: f64 = 1e-7;
 
-/// Where the equations of one row are evaluated.
+/// Point at which the equations of one row are evaluated.
 #[derive(Clone)]
 struct Point {
     globals: Globals,
@@ -181,7 +181,7 @@ fn check_in_state(traits: Traits, moves: bool) {
     }
 }
 
-/// The home row: its lengths, and the other rows there.
+/// Checks the home row: the lengths and the other rows.
 fn check_home(problem: &Problem<'_>, globals: &Globals, evaluator: &mut Evaluator<'_, f64>) {
     let parameters = problem.parameters();
     let mut at =

@@ -3,7 +3,7 @@
 use super::*;
 use crate::effect::EffectRequest;
 
-/// Parts of 16 poses, on so many threads.
+/// Parts of 16 poses, on several threads.
 fn on(threads: usize) -> Options {
     Options {
         division: Division {

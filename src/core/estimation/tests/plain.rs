@@ -35,7 +35,7 @@ pub struct Plain<'a> {
     unknowns: Vec<Unknown>,
 }
 
-/// What it finds.
+/// Solution of the plain problem.
 pub struct FoundEffect {
     pub state: State,
     pub chi2: f64,

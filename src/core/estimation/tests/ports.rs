@@ -118,7 +118,7 @@ pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
     effects
 }
 
-/// What a random robot is like.
+/// Traits of a random robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Traits {
     pub free: &'static [Coordinate],

@@ -1,4 +1,4 @@
-//! What the data leave open is said in words, and nothing panics.
+//! Undetermined parameters are named in sentences, and nothing panics.
 
 use super::*;
 use crate::effect::{BoundEffect, Effect, EffectParameter};

@@ -1,5 +1,5 @@
-//! Residuals, redundancies and reliability against what the solver does when a reading is changed, which shares no code
-//! with them; and the power of the test in a simulation.
+//! Residuals, redundancies and reliability against solutions with a changed reading, which share no code with them; and the
+//! power of the test in a simulation.
 //!
 //! The least sum of squares, as a function of an error `d` of one reading in its standard deviations, has the
 //! derivative `-2 e` and the second derivative `2 r`, with the standardised residual `e` and the redundancy `r` of the

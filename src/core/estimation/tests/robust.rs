@@ -1,4 +1,4 @@
-//! Gross errors: found, and held off by Huber's loss.
+//! Gross errors: detected, and limited in influence by Huber's loss.
 
 use super::*;
 

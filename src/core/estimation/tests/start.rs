@@ -53,7 +53,7 @@ fn absolute_lengths_without_home_and_commands_have_a_start() {
     assert!(with.p_value().unwrap() > 1e-6);
 }
 
-/// Makes lengths absolute: what the true robot has there.
+/// Replaces revolutions by the absolute lengths that the true robot has.
 pub fn absolute(dataset: &mut Dataset, truth: &crate::robot::Robot) {
     let data = &mut dataset.measurements;
     let mut lengths = crate::measurement::Grid::missing(data.len(), dataset.robot.cable_count());

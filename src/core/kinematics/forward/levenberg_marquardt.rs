@@ -23,7 +23,7 @@ pub(super) struct Minimum {
     pub(super) pose: PosePacket<f64>,
     /// Sum of squared residuals (m^2).
     pub(super) cost: f64,
-    /// Whether no step reduces it further.
+    /// Whether no step reduces the cost further.
     pub(super) converged: bool,
     /// Whether an anchor is inside its pulley.
     pub(super) blocked: bool,

@@ -2,7 +2,7 @@
 //! test fails by chance.
 
 use super::super::inverse_kinematics;
-use super::super::samples::{self, Kind};
+use super::super::samples::{self, PlatformKind};
 use super::*;
 use crate::geometry::{Coordinate, Twist};
 use rand::RngExt;
@@ -31,10 +31,10 @@ fn random_pose(
 }
 
 /// The robot kinds and half the half widths of their frames (m).
-const KINDS: [(Kind, [f64; 3]); 3] = [
-    (Kind::Spatial, [0.25, 0.19, 0.22]),
-    (Kind::Planar, [0.4, 0.3, 0.0]),
-    (Kind::PointMass, [0.75, 0.5, 0.55]),
+const KINDS: [(PlatformKind, [f64; 3]); 3] = [
+    (PlatformKind::Spatial, [0.25, 0.19, 0.22]),
+    (PlatformKind::Planar, [0.4, 0.3, 0.0]),
+    (PlatformKind::PointMass, [0.75, 0.5, 0.55]),
 ];
 
 #[derive(Debug, Default, PartialEq)]

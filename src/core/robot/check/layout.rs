@@ -135,8 +135,8 @@ impl Robot {
     }
 }
 
-/// Whether two cables to different anchors can leave one place, as those of a RoboCrane do: pulleys would need room, eyelets do
-/// not.
+/// Whether two cables to different anchors may leave one point: through one eyelet, as those of a RoboCrane do; pulleys would
+/// need room.
 fn leave_one_eyelet(cable: &Cable, other: &Cable, limit_m: f64) -> bool {
     let arm = Vec3::from(cable.platform_anchor_m) - Vec3::from(other.platform_anchor_m);
     cable.pulley.radius_m == 0.0 && other.pulley.radius_m == 0.0 && arm.norm() >= limit_m

@@ -26,14 +26,14 @@ const LEAST_PIVOT: f64 = 1e-6;
 pub struct FieldError {
     /// JSON pointer to the field, such as `/cables/3/pulley/radius_m`.
     pub pointer: String,
-    /// What was found and what was expected, one sentence.
+    /// What was found and what was expected, in one sentence.
     pub message: String,
 }
 
 type Checked = Result<(), FieldError>;
 
 impl Robot {
-    /// Checks everything that a description can get wrong by itself.
+    /// Checks a description for all errors that can be found without measurements.
     ///
     /// # Errors
     /// The first invalid field.

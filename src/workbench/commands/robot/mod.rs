@@ -16,7 +16,7 @@ use crate::model::link::{Connected, DriverCommand, DriverEvent, LinkRequest};
 use crate::model::messages::{Cause, full_sentence};
 use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
 use tautline_workflow::adjusting::held;
-use tautline_workflow::controllers::{ConnectionSetup, Kind};
+use tautline_workflow::controllers::{ConnectionSetup, RobotKind};
 
 pub use self::adjust::recorded;
 pub use self::plan::planned;
@@ -76,7 +76,7 @@ fn connect(model: &mut Model, arms: bool) {
     let identified = open.fit().map_or(&[][..], |fit| &fit.model.effects);
     let session = open.session();
     let rig = ConnectionSetup::of(session, identified).with_credentials(setup::credentials(model));
-    if let (Kind::Recording, Some(recording)) = (rig.kind, &session.connection.recording) {
+    if let (RobotKind::Recording, Some(recording)) = (rig.kind, &session.connection.recording) {
         model.link.set_speed(recording.speed);
     }
     model.link.connect(rig, open.id());
@@ -102,7 +102,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             model.link.identity = identity;
             model.link.protection = protection;
             setup::accepted(model, rig.account());
-            let is_own = rig.kind == Kind::OfSession;
+            let is_own = rig.kind == RobotKind::OfSession;
             let arms = std::mem::take(&mut model.link.arms_when_connected) && is_own;
             model.link.connected = Some(Connected { session_id, rig });
             run::compare(model, &parameters);

@@ -1,7 +1,7 @@
 //! What every command that moves the robot does first.
 
 use tautline_core::robot::Robot;
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 
 use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
@@ -17,7 +17,7 @@ pub(super) fn reference(open: &OpenSession) -> Robot {
 /// Shows the robot and its readings, and keeps in the session that they are simulated, if they are.
 pub(super) fn watch(model: &mut Model) {
     let connected = model.link.connected.as_ref();
-    let is_simulated = connected.is_some_and(|one| one.rig.kind == Kind::OfDescription);
+    let is_simulated = connected.is_some_and(|one| one.rig.kind == RobotKind::OfDescription);
     if let Some(open) = model.open.as_mut().filter(|_| is_simulated) {
         open.record(|session| session.has_simulated_readings = true);
     }

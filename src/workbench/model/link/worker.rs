@@ -18,7 +18,7 @@ use super::message::{DriverCommand, DriverEvent, LinkRequest, Live, Lost};
 use super::operation::{Operation, Verifying};
 use super::publisher::{PICTURE, StatusPublisher};
 use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::controllers::{ConnectionSetup, Kind, OpenError};
+use tautline_workflow::controllers::{ConnectionSetup, OpenError, RobotKind};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
@@ -342,7 +342,7 @@ impl Worker {
             return;
         };
         let begun = match connection.rig.kind {
-            Kind::Recording => Err("Not available for a recording.".to_owned()),
+            RobotKind::Recording => Err("Not available for a recording.".to_owned()),
             _ => (connection.controller.home()).map_err(|e| format!("The way home: {e}.")),
         };
         match begun {
@@ -361,7 +361,7 @@ impl Worker {
         let Some(connection) = &mut self.connection else {
             return;
         };
-        let written = if connection.rig.kind == Kind::Recording {
+        let written = if connection.rig.kind == RobotKind::Recording {
             let text = "this is a recording, in which nothing can be changed";
             Err(LinkError::Refused(text.to_owned()))
         } else {

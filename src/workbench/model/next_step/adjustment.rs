@@ -8,8 +8,8 @@ use crate::model::command::{ReportCommand, RobotCommand};
 use crate::model::phase::{Phase, PhaseStatus, Progress};
 use crate::model::{Model, OpenSession};
 use tautline_workflow::accuracy::{LARGEST, before_and_after};
-use tautline_workflow::adjusting::{self, Check, CheckState, Item};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::adjusting::{self, AdjustmentStep, Check, CheckState};
+use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::wording::{count, sentence};
 
@@ -93,7 +93,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let review = model.review();
     let checks = open.checklist(&review.lines);
     let next = checks.iter().find(|check| check.state == CheckState::Next);
-    let Some(next) = next.map(|check| check.item) else {
+    let Some(next) = next.map(|check| check.step) else {
         let action = Action::new(
             match ReportFormat::FOR_PAPER {
                 ReportFormat::Pdf => "Save report as PDF…",
@@ -107,7 +107,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         );
         return NextStep::new(status, Some(action), "Then: save the session.");
     };
-    if next == Item::Accept {
+    if next == AdjustmentStep::Accept {
         let accept = Action::new("Accept the robot", RobotCommand::Accept);
         let figures = before_and_after(open.session()).unwrap_or_default();
         let largest = figures.iter().find(|one| one.name == LARGEST);
@@ -122,7 +122,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         return NextStep::new(status, action, then);
     }
     let (action, then) = match next {
-        Item::MeasureBefore => missing_parameters(model, &review.lines)
+        AdjustmentStep::MeasureBefore => missing_parameters(model, &review.lines)
             .map(|action| {
                 (
                     action,
@@ -130,8 +130,8 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
                 )
             })
             .unwrap_or_else(|| measure(session, Stage::Before)),
-        Item::Review | Item::Write => write(session, &review.lines),
-        Item::MeasureAfter | Item::Accept => measure(session, Stage::After),
+        AdjustmentStep::Review | AdjustmentStep::Write => write(session, &review.lines),
+        AdjustmentStep::MeasureAfter | AdjustmentStep::Accept => measure(session, Stage::After),
     };
     NextStep::new(status, Some(action), then)
 }
@@ -178,7 +178,7 @@ fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Actio
         .iter()
         .filter(|one| one.name.starts_with("effect."));
     let is_unknown = effects.any(|one| one.controller.is_none());
-    (is_unknown && kind == Some(Kind::OfSession)).then(|| {
+    (is_unknown && kind == Some(RobotKind::OfSession)).then(|| {
         Action::new(
             "Add the parameters to the simulated controller",
             RobotCommand::ConnectAndArm,

@@ -15,7 +15,7 @@ pub use sign::Sign;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tautline_link::Activity;
 use tautline_session::Session;
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 
 use super::command::{
     Command, DIAGNOSING, FORMULAS, IDENTIFYING, IdentificationCommand, PLANNING, RobotCommand,
@@ -239,27 +239,27 @@ fn connecting(model: &Model, session: &Session) -> Option<(Option<Action>, &'sta
         return Some((None, "Connecting."));
     }
     if !link.is_connected() {
-        return Some(match Kind::offered(session) {
+        return Some(match RobotKind::offered(session) {
             // A simulated robot can do no harm.
-            Kind::OfSession => (
+            RobotKind::OfSession => (
                 Some(Action::new(
                     "Connect and arm the simulated robot",
                     RobotCommand::ConnectAndArm,
                 )),
                 "Nothing moves yet.",
             ),
-            Kind::OfDescription => (
+            RobotKind::OfDescription => (
                 Some(Action::new(
                     "Choose controller…",
                     RobotCommand::Setup(Setup::Open),
                 )),
                 "Then: arm it.",
             ),
-            Kind::Recording => (
+            RobotKind::Recording => (
                 Some(Action::new("Connect the recording", RobotCommand::Connect)),
                 "Then: arm it.",
             ),
-            Kind::Real => (
+            RobotKind::Real => (
                 Some(Action::new("Connect the controller", RobotCommand::Connect)),
                 "Then: arm it.",
             ),

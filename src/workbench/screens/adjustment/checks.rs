@@ -26,7 +26,7 @@ fn line(ui: &mut Ui, number: usize, check: &Check) {
     let (icon, colour, words) = look(check.state, palette);
     ui.horizontal(|ui| {
         ui.label(icon.rich_text().size(16.0).color(colour));
-        let title = format!("{number}. {}", check.item.title());
+        let title = format!("{number}. {}", check.step.title());
         let title = match check.state {
             CheckState::Next => RichText::new(title).font(theme::strong(13.0)),
             CheckState::Later => RichText::new(title).color(palette.muted),

@@ -22,7 +22,7 @@ use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::accuracy::Figure;
 use tautline_workflow::adjusting::{self, Review};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::plot::figure;
 use tautline_workflow::wording::sentence;
 
@@ -118,7 +118,7 @@ fn compare(
         identify_without(ui, review, outbox);
     }
     let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
-    let simulated = matches!(kind, Some(Kind::OfSession | Kind::OfDescription));
+    let simulated = matches!(kind, Some(RobotKind::OfSession | RobotKind::OfDescription));
     if !review.effects.is_empty() && simulated {
         let free = !model.link.is_busy();
         let text = "Add these parameters to the simulated controller";
@@ -147,7 +147,7 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
     let changes = review.changes().count();
     ui.add_space(GRID);
     let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
-    let writable = kind != Some(Kind::Recording);
+    let writable = kind != Some(RobotKind::Recording);
     let ready = model.link.is_armed() && !model.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {
         let text = Button::new("Write to the controller");
@@ -172,10 +172,10 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
         );
     } else {
         let note = match kind {
-            Some(Kind::OfDescription) => {
+            Some(RobotKind::OfDescription) => {
                 " This controller is simulated: a real one does not change."
             }
-            Some(Kind::Recording) => " This is a recording: nothing can be written to it.",
+            Some(RobotKind::Recording) => " This is a recording: nothing can be written to it.",
             _ => "",
         };
         let differ = match changes {

@@ -17,7 +17,7 @@ use tautline_workflow::accuracy::{
     Figure, before_and_after, plot_of_errors, predicted_m, result_in_words,
 };
 use tautline_workflow::adjusting;
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::plot::Selection;
 use tautline_workflow::wording::units::fixed;
 
@@ -50,7 +50,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
 
 fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let rig = model.link.connected.as_ref().map(|c| &c.rig);
-    let is_recording = rig.is_some_and(|rig| rig.kind == Kind::Recording);
+    let is_recording = rig.is_some_and(|rig| rig.kind == RobotKind::Recording);
     let by_hand = rig.is_some_and(|rig| !rig.has_instrument());
     let ready = model.link.is_armed() && !model.link.is_busy() && !is_recording;
     let hint = if is_recording {

@@ -7,13 +7,11 @@ use egui_material_icons::icons;
 use tautline_link::Activity;
 
 use crate::model::Model;
-use crate::model::command::Outbox;
-use crate::model::command::{RobotCommand, Setup};
-use crate::model::link::LinkRequest;
-use crate::model::link::Lost;
+use crate::model::command::{Outbox, RobotCommand, Setup};
+use crate::model::link::{LinkRequest, Lost};
 use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
-use tautline_workflow::controllers::Kind;
+use tautline_workflow::controllers::RobotKind;
 
 /// Speeds that are offered for simulated robots.
 const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
@@ -28,18 +26,20 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
     if let Some(lost) = &live.lost {
         return gone(ui, outbox, lost);
     }
-    let offered = Kind::offered(open.session());
+    let offered = RobotKind::offered(open.session());
     let Some(controller) = live.state else {
         return connect(ui, model, outbox, offered);
     };
     let connected = model.link.connected.as_ref();
     let kind = connected.map_or(offered, |connected| connected.rig.kind);
     let note = match kind {
-        Kind::OfDescription => {
+        RobotKind::OfDescription => {
             Some("Simulated from the description: the readings are not of the real robot.")
         }
-        Kind::Recording => Some("This is a recording: nothing moves and nothing can be written."),
-        Kind::OfSession | Kind::Real => open.session().robot.unchecked_tensions(),
+        RobotKind::Recording => {
+            Some("This is a recording: nothing moves and nothing can be written.")
+        }
+        RobotKind::OfSession | RobotKind::Real => open.session().robot.unchecked_tensions(),
     };
     if let Some(note) = note {
         verdict(ui, Verdict::Doubtful, note);
@@ -68,11 +68,11 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
         if icon_button(ui, icons::ICON_LINK_OFF, "Disconnect", free).clicked() {
             outbox.send(LinkRequest::Disconnect);
         }
-        if kind != Kind::Real {
+        if kind != RobotKind::Real {
             speed(ui, model, outbox);
         }
     });
-    if kind == Kind::Real && !controller.armed && model.link.is_measuring() {
+    if kind == RobotKind::Real && !controller.armed && model.link.is_measuring() {
         muted(
             ui,
             "The run is paused. Arming does not move the robot; press Resume to continue.",
@@ -81,13 +81,13 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
 }
 
 /// Nothing is connected.
-fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind) {
+fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: RobotKind) {
     let text = match offered {
-        Kind::OfSession | Kind::OfDescription => "Connect the simulated robot",
-        Kind::Recording => "Connect the recording",
-        Kind::Real => "Connect the controller",
+        RobotKind::OfSession | RobotKind::OfDescription => "Connect the simulated robot",
+        RobotKind::Recording => "Connect the recording",
+        RobotKind::Real => "Connect the controller",
     };
-    if offered == Kind::OfDescription {
+    if offered == RobotKind::OfDescription {
         muted(
             ui,
             "Choose the controller of the real robot, or try the procedure on a robot that is simulated from this \

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Grid, ScrollArea, Ui, vec2};
-use tautline_core::history::Part;
+use tautline_core::history::RobotPart;
 use tautline_workflow::history::lane;
 use tautline_workflow::plot::Figure;
 
@@ -23,7 +23,7 @@ const GAP: f32 = 2.0 * GRID;
 /// The plots of a record.
 #[derive(Debug)]
 pub(super) struct Lanes {
-    plots: Vec<(Part, Arc<Figure>)>,
+    plots: Vec<(RobotPart, Arc<Figure>)>,
     /// The frame in which they were made.
     generation: u64,
 }
@@ -84,7 +84,7 @@ fn names(figure: &Figure) -> Vec<&str> {
     series.chain(curves).chain(bands).collect()
 }
 
-fn one(ui: &mut Ui, model: &Model, part: &Part, plot: &Linked<'_>, outbox: &mut Outbox) {
+fn one(ui: &mut Ui, model: &Model, part: &RobotPart, plot: &Linked<'_>, outbox: &mut Outbox) {
     let asked = show_linked(ui, plot, model.selection);
     if asked.is_clicked
         && let Some(selection) = selection_of(part)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use egui::{CentralPanel, Panel, ScrollArea, Slider, Spinner, Ui};
 use nalgebra::DVector;
 use tautline_core::geometry::Vec3;
-use tautline_core::history::{CERTAIN, Part as RobotPart};
+use tautline_core::history::{CERTAIN, RobotPart};
 use tautline_workflow::health::HealthVerdict;
 use tautline_workflow::history::{
     POSITION_TOLERANCE_M, Tolerance, changes as told, next_calibration,
