@@ -200,7 +200,7 @@ impl Rows {
         spread
     }
 
-    /// Whether a channel has one value for all actuators at each time, as the number of a pose.
+    /// Whether a channel, such as the number of a pose, has the same value for all actuators at each time.
     fn is_common(&self, channel: &Channel) -> bool {
         let is_one = |rows: &Vec<Option<usize>>| {
             let mut values = rows.iter().flatten().map(|row| channel.values.at(*row));

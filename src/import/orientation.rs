@@ -88,7 +88,7 @@ fn name_of_row(format: Format, matrix: &Matrix, row: usize) -> String {
     }
 }
 
-/// Which matrices have one row per channel.
+/// For each matrix, whether its rows are the channels.
 fn turned(source: &Source, matrices: &[Matrix], cables: usize) -> Vec<bool> {
     let is_column = |series: &Series| {
         let is_vector = |channel: &Channel| path_of_column(source.format, &channel.name).is_none();

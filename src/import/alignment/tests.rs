@@ -7,7 +7,7 @@ use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-/// What the second recorder's clock is off by.
+/// True clock error of the second recorder.
 #[derive(Clone, Copy)]
 struct Truth {
     offset_s: f64,

@@ -24,7 +24,7 @@ const RESIDUAL: f64 = 0.02;
 /// Starts of forward kinematics; under a wrong assumption no start fits.
 const STARTS: usize = 2;
 
-/// What is assumed of the channels: which channel each cable has, and how many times too large its readings are.
+/// Assumption about the channels: the channel of each cable, and the factor by which its readings are too large.
 #[derive(Clone)]
 struct Assumption {
     channels: Vec<usize>,
@@ -195,7 +195,7 @@ impl<'a> Lengths<'a> {
         Some(-redundant * (0.5 * squares.ln() + own_unit))
     }
 
-    /// Whether the residuals are small beside the changes of length.
+    /// Whether the residuals are small compared with the changes of length.
     fn fit(&self, assumed: &Assumption, rows: &[usize]) -> bool {
         let Some([squares, redundant]) = self.squares(assumed, rows) else {
             return false;

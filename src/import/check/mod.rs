@@ -127,7 +127,7 @@ impl Readings {
     }
 }
 
-/// What the check finds in a table of poses.
+/// Result of the check of a table of poses.
 #[derive(Debug, Clone)]
 pub struct TableCheck {
     /// Mistakes, with corrections.
@@ -235,7 +235,7 @@ fn factors(kind: Kind) -> &'static [(f64, &'static str)] {
     }
 }
 
-/// Factors by which a channel differs whose drive counts otherwise.
+/// Factors of a channel whose drive has another number of counts per revolution.
 const COUNTS: [(f64, &str); 4] = [
     (2.0, COUNTED),
     (4.0, COUNTED),
@@ -281,8 +281,7 @@ fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
     }
 }
 
-/// The first of the rows, up to the last, at which the readings no longer change; the number of rows if they never do, `None` if
-/// they do at the end.
+/// The row from which on the readings stay constant; the number of rows if all are equal, `None` if they vary until the end.
 fn constant_from(values: &[f64]) -> Option<usize> {
     let there: Vec<usize> = (0..values.len())
         .filter(|row| !values[*row].is_nan())

@@ -37,7 +37,7 @@ pub(crate) struct CutPose {
     pub time_s: Option<[f64; 2]>,
     /// First row in the main series.
     pub first_row: usize,
-    /// Number of its rows.
+    /// Number of rows of the pose.
     pub rows: usize,
     /// Means of the quantities.
     pub readings: BTreeMap<Quantity, Averaged>,
@@ -52,12 +52,12 @@ pub(crate) struct Averaged {
     pub number: usize,
 }
 
-/// Whether a series has the times and the length of a recording.
+/// Whether a series has at least the number of rows of a recording.
 pub(crate) fn is_recording(series: &Series) -> bool {
     series.rows >= RECORDING
 }
 
-/// Whether the recipe yields poses at rest: several standstills, and far fewer than rows.
+/// Whether a recording has poses at rest: several standstills, with more than five rows each on average.
 pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -72,7 +72,7 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
     rests.len() >= FEWEST_RESTS && rests.len() * 5 < time_s.len()
 }
 
-/// Whether the rows of the series of the cables are samples of a motion.
+/// Whether the rows of the main series are samples of a motion.
 pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -93,7 +93,7 @@ pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Rob
     let channels: Vec<SampledChannel<'_>> = (moving.iter())
         .map(|(value, sd)| SampledChannel { value, sd: *sd })
         .collect();
-    // While no channel that moves is assigned, nothing tells: rows with times are then samples.
+    // As long as no channel that varies with the pose is assigned, rows with times count as samples.
     let moves = || channels.is_empty() || follows_a_motion(&time_s, &channels);
     is_recording(mapping.series[main]) && moves()
 }

@@ -133,7 +133,7 @@ fn capture(poses: &[Pose]) -> Source {
     source(Format::Nexus, "capture", channels)
 }
 
-/// What a recipe makes of files.
+/// The poses imported from files with a recipe.
 fn followed(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Imported {
     import(sources, recipe, "recipe", robot, &MemoryBudget::default()).expect("imported")
 }

@@ -40,9 +40,9 @@ const MAX_DEPTH: usize = 16;
 const MAX_OBJECTS: usize = 100_000;
 /// Maximum number of columns of an array: images have more.
 const MAX_COLUMNS: u64 = 4096;
-/// Most rows of an array with more columns than that whose rows are channels.
+/// Maximum number of rows of an array with more than `MAX_COLUMNS` columns, whose rows are then taken as channels.
 const MAX_CHANNELS: u64 = 64;
-/// How many times larger than the file its content may be: no stream of gzip holds more.
+/// Maximum ratio of decoded content to file size: the limit of gzip (deflate).
 const MAX_RATIO: u64 = 1032;
 /// The filters that are read: gzip, shuffle, Fletcher-32, scale-offset and LZF.
 const FILTERS: [u16; 5] = [1, 2, 3, 6, 32000];
@@ -152,7 +152,7 @@ struct Reader<'a> {
     /// Memory for what is decoded.
     budget: &'a MemoryBudget,
     objects: usize,
-    /// With the variable of MATLAB that each belongs to.
+    /// Series, each with the MATLAB variable to which it belongs.
     series: Vec<(String, Series)>,
     notices: Vec<String>,
 }
@@ -162,9 +162,9 @@ struct Reader<'a> {
 struct Size {
     rows: u64,
     columns: u64,
-    /// Whether the array is stored column by column.
+    /// Whether the array is stored in column-major order.
     by_columns: bool,
-    /// Whether the columns are the rows of the array.
+    /// Whether rows and columns are exchanged: the columns are the rows of the array.
     is_transposed: bool,
 }
 
@@ -198,7 +198,7 @@ impl Reader<'_> {
                 "was not closed by the program that wrote it, expected a closed file; h5clear -s <file> clears the flag"
                     .to_owned()
             }
-            // The place where a link by name would be followed to.
+            // The address of a link by name is the largest number.
             Error::Format(FormatError::OffsetOverflow {
                 offset: u64::MAX, ..
             }) => "is damaged or has links by name (soft or external links), expected HDF5 without them".to_owned(),
@@ -266,7 +266,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Whether there is an attribute of this name.
+    /// Whether an attribute of this name exists.
     fn has(
         &self,
         attributes: Result<HashMap<String, AttrValue>, Error>,

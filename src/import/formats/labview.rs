@@ -20,7 +20,7 @@ const END_SPECIAL: &str = "***End_Special***";
 const X_VALUE: &str = "X_Value";
 const COMMENT: &str = "Comment";
 
-/// Whether a file begins like one of LabVIEW.
+/// Whether a line is the first one of a LabVIEW measurement file.
 pub(super) fn is_title(line: &str) -> bool {
     line.trim_start_matches('"')
         .starts_with("LabVIEW Measurement")

@@ -473,7 +473,7 @@ fn merged_texts(path: &str, name: &str, elements: &mut [(String, Found<'_>)]) ->
     })
 }
 
-/// What an object is, and how to save what is in it.
+/// Class of an object, and advice how to save its content as arrays.
 pub(super) fn object(class: &str) -> String {
     let advice = match class {
         "timeseries" => "save its Time and Data as arrays",

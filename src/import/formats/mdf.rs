@@ -108,13 +108,13 @@ fn array<const N: usize>(bytes: &[u8], at: usize) -> Result<[u8; N], Fault> {
     bytes.try_into().map_err(|_| Fault::Damaged)
 }
 
-/// Where the records of a channel group are.
+/// Layout of the records of a channel group.
 struct ChannelGroup {
     id: u64,
-    /// Bytes of a record without its number, with the bits of invalid values.
+    /// Bytes of a record without its record number, including the invalidation bits.
     bytes: usize,
     data_bytes: usize,
-    /// Whether its records are texts of any length.
+    /// Whether the records are variable-length texts.
     has_texts: bool,
     acquisition: Option<String>,
     channels: Vec<ChannelLayout>,
@@ -144,7 +144,7 @@ enum Number {
     Float,
 }
 
-/// How a stored number becomes a physical one.
+/// Conversion of a stored number into a physical value.
 enum Conversion {
     Linear([f64; 2]),
     Rational([f64; 6]),

@@ -42,10 +42,10 @@ const HEAD: u64 = 64 << 10;
 /// Largest file (bytes) in a format that has to be read as a whole.
 const MAX_WHOLE: u64 = 2 << 30;
 
-/// Whether this build has the feature `more-formats`.
+/// Whether the program was built with the feature `more-formats`.
 pub const HAS_MORE_FORMATS: bool = cfg!(feature = "more-formats");
 
-/// What to do about a format that this build leaves out.
+/// Advice for a format that this build leaves out.
 const LEFT_OUT: &str = "which this build leaves out, expected the program of a release or \
                         `cargo build --release --features more-formats`";
 
@@ -146,7 +146,7 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     }
 }
 
-/// Whether a file is a text or tree that describes a robot.
+/// Whether a file is a robot description rather than readings.
 pub(crate) fn holds_description(path: &Path) -> Result<bool, ReadError> {
     let (head, _) = open(path, &path.display().to_string())?;
     Ok(matches!(recognise(&head, path), Kind::RobotDescription))

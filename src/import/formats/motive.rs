@@ -190,7 +190,7 @@ fn data(
     Ok(times.into())
 }
 
-/// Whether a row may be truncated: complete rows end with all their separators.
+/// Whether a row with too few cells is truncated: complete rows end with all their separators.
 fn lines_are_over(text: &str) -> bool {
     !text.ends_with(',')
 }

@@ -23,7 +23,7 @@ const VALUE: usize = size_of::<f64>();
 
 /// A column of the file with its destination.
 struct Column {
-    /// Its number in the file.
+    /// Index of the column in the file.
     number: usize,
     /// Definition level of a cell that has a value.
     level: i16,
@@ -186,7 +186,7 @@ impl Scale {
     }
 }
 
-/// What a column holds.
+/// Content of a column.
 enum Content {
     Numbers(Scale),
     Texts,

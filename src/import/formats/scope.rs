@@ -202,7 +202,7 @@ fn data(
     Ok(channels)
 }
 
-/// Whether a cell without a number is the last of its line.
+/// Whether an unreadable cell is the last of its line and at most two characters long, i.e. cut off.
 fn lines_end(text: &str, cell: &str) -> bool {
     text.trim_end().ends_with(cell) && cell.len() < 3
 }

@@ -27,7 +27,7 @@ const OF_DAQMX: &str =
 /// Most objects of a segment, and properties of an object.
 const MOST_OBJECTS: u32 = 10_000;
 
-/// What a segment contains.
+/// Bits of the table of contents of a segment.
 mod content {
     pub const META_DATA: u32 = 1 << 1;
     pub const NEW_OBJECTS: u32 = 1 << 2;

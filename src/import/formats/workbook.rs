@@ -45,7 +45,7 @@ impl Workbook<'_> {
         self.archive.names().iter().any(|name| name == part)
     }
 
-    /// The text of a part, which counts in a budget; `None` if there is no such part.
+    /// The text of a part, whose memory is taken from `budget`; `None` if there is no such part.
     pub fn part(&self, name: &str, budget: &MemoryBudget) -> Result<Option<String>, ReadError> {
         let bytes = self.archive.read(name, budget);
         let Some(bytes) = bytes.map_err(|message| self.fail(message))? else {
@@ -62,7 +62,7 @@ impl Workbook<'_> {
             .ok_or_else(|| self.damaged(name))
     }
 
-    /// What so many sheets become.
+    /// Collects the series of `count` sheets.
     pub fn sheets(&self, format: Format, count: usize) -> Sheets<'_> {
         Sheets {
             book: self,

@@ -405,7 +405,7 @@ pub(crate) const NEUTRAL: &[&str] = &[
     "log",
 ];
 
-/// Whether a word is one of those that are known.
+/// Whether a word is in any of the lists.
 fn is_known(word: &str) -> bool {
     let kinds = PER_CABLE.iter().map(|(_, words)| *words);
     let lists = [

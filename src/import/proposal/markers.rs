@@ -73,7 +73,7 @@ fn distances(a: &[[f64; 3]], b: &[[f64; 3]]) -> Option<f64> {
     (all.len() >= FEWEST_ROWS && variance.sqrt() < allowed).then_some(mean)
 }
 
-/// How far a marker moves along the axis on which it moves most.
+/// Largest range of the coordinates of a marker.
 fn extent(course: &[[f64; 3]]) -> f64 {
     let along = |axis: usize| {
         let seen = course

@@ -100,7 +100,7 @@ fn members<'s>(series: &'s Series, family: &Family) -> Vec<&'s Channel> {
     names.filter_map(|name| series.channel(&name)).collect()
 }
 
-/// Whether a series has the position of a pose.
+/// Whether a series has a position, i.e. an x coordinate of a pose of unknown origin.
 fn has_position(series: &Series) -> bool {
     let found = series
         .channels
@@ -110,7 +110,7 @@ fn has_position(series: &Series) -> bool {
     open.any(|found| found.index == 0)
 }
 
-/// Channels of one pose with the component that each is.
+/// Channels of one pose, each with the index of its component.
 type Components<'a> = Vec<(usize, &'a Channel)>;
 
 /// A pose in a series.
@@ -248,7 +248,7 @@ struct Proposal<'a> {
     known: Vec<Assignment>,
     /// Columns that already have a channel.
     given: BTreeSet<String>,
-    /// Families of another number than that of the cables: series, channels, and a sentence if nothing else uses them.
+    /// Families whose number is not that of the cables: series, channels, and the notice to be given if nothing else uses them.
     miscounted: Vec<(String, Vec<String>, String)>,
     notices: Vec<String>,
 }
@@ -263,7 +263,7 @@ impl Proposal<'_> {
         self.given.contains(column)
     }
 
-    /// Whether a channel has a known use.
+    /// Whether an existing entry of a recipe assigns the channel.
     fn is_known(&self, name: &str) -> bool {
         let mut known = self.known.iter();
         known.any(|known| known.channel == name || known.is_pattern_of(name))
@@ -577,7 +577,7 @@ impl Proposal<'_> {
                 .iter()
                 .position(|angle| is_any(&words, angle))
                 .filter(|_| {
-                    // Beside a position and without an inclinometer they are angles of a pose.
+                    // Next to a position, and without an inclinometer, these are angles of a pose.
                     let is_of_pose = self.robot.inclinometer.is_none() && has_position(series);
                     if is_of_pose {
                         return false;
@@ -589,7 +589,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Whether a channel has no use yet, and the column no channel.
+    /// Whether neither the channel nor the column is assigned.
     fn is_open(&self, series: &Series, name: &str, column: &str) -> bool {
         let mut here = self.recipe.channels.iter();
         let mut here_is = |is_meant: &dyn Fn(&Assignment) -> bool| {
@@ -954,7 +954,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Whether the first pose is the home pose, and whether encoders count from there.
+    /// Assumes that the first pose is the home pose, unless poses have labels, and counts revolutions from there.
     fn home(&mut self, sources: &[Source]) {
         let has_labels = self
             .recipe

@@ -119,7 +119,7 @@ impl CommandedPoses {
         found.map(|(_, kind, unit)| (since_home(kind, channels), unit, mean < 0.0))
     }
 
-    /// Whether channels are forces that carry the platform.
+    /// Whether channels are cable forces that balance the weight of the platform.
     pub fn are_carried_by(&self, channels: &[&Channel], robot: &Robot) -> bool {
         let sensors: Option<Vec<_>> = robot
             .cables

@@ -14,7 +14,7 @@ pub(super) fn is_any(words: &[String], known: &[&str]) -> bool {
     words.iter().any(|word| known.contains(&word.as_str()))
 }
 
-/// Whether a name is that of a commanded value. In German, `des` is also an article.
+/// Whether a name denotes a commanded value. In German, `des` is also an article.
 pub(super) fn is_wanted(words: &[String]) -> bool {
     let ends = [words.first(), words.last()];
     let is_article = |word: &String| word == "des" && !ends.contains(&Some(word));
@@ -35,15 +35,15 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// What a family of channels with one for each cable is.
+/// Recognised quantity of a family of channels, one for each cable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Recognised {
     pub kind: Kind,
-    /// How well it is known, to choose among several families of one kind.
+    /// Certainty of the recognition, by which one of several families of a quantity is chosen.
     pub score: i32,
-    /// Whether its values are encoder counts.
+    /// Whether the values are encoder counts.
     pub is_counts: bool,
-    /// Whether the values said so rather than the name.
+    /// Whether the quantity was recognised by the values rather than by the name.
     pub by_values: bool,
 }
 
@@ -153,18 +153,18 @@ pub(super) enum Origin {
     Commanded,
     /// An instrument outside of the robot.
     Measured,
-    /// The name leaves it open.
+    /// Unknown: the name does not state the origin.
     Open,
 }
 
-/// A component of a pose, x, y, z, or w, x, y, z of a quaternion, counted from 0, and what it belongs to.
+/// A component of a pose, x, y, z, or w, x, y, z of a quaternion, counted from 0, with its body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Component {
     pub index: usize,
     /// Name of the body.
     pub owner: String,
     pub origin: Origin,
-    /// Whether its name consists of words of poses only.
+    /// Whether the name consists only of words for poses.
     pub is_pose: bool,
 }
 
@@ -270,7 +270,7 @@ pub(super) fn origin_of(words: &[String]) -> Origin {
     }
 }
 
-/// Whether a word belongs to the name of a pose.
+/// Whether a word is used in names of poses.
 pub(super) fn is_of_pose(word: &str) -> bool {
     let lists = [POSE, ACTUAL, WANTED, EXTERNAL];
     let rotations = [
@@ -288,7 +288,7 @@ pub(super) fn is_of_pose(word: &str) -> bool {
     lists.iter().any(|list| list.contains(&word)) || rotations.contains(&word)
 }
 
-/// Words that say which part of a pose a component is of.
+/// Words for the position or the orientation in the name of a component.
 const PARTS: [&str; 9] = [
     "Rotation",
     "Position",
@@ -301,7 +301,7 @@ const PARTS: [&str; 9] = [
     "q",
 ];
 
-/// What the name of a component is without the component.
+/// Name of the body: the name of a component without the component and without words such as `position`.
 fn owner_of(name: &str, component: &str, is_first: bool) -> String {
     let lower = name.to_lowercase();
     let is_between = |letter: char| !letter.is_alphanumeric();

@@ -155,13 +155,13 @@ impl Quantity {
         self.kind.column_of(&(self.index + 1).to_string())
     }
 
-    /// Whether there is one per cable.
+    /// Whether the quantity exists once per cable.
     #[must_use]
     pub fn is_per_cable(self) -> bool {
         PER_CABLE.iter().any(|(kind, ..)| *kind == self.kind)
     }
 
-    /// Whether its values are text.
+    /// Whether the values are texts.
     #[must_use]
     pub fn is_text(self) -> bool {
         matches!(self.kind, Kind::Label | Kind::Group)
@@ -282,7 +282,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it varies with the pose of the platform.
+    /// Whether the quantity varies with the pose of the platform. Forces and laser distances do not count.
     #[must_use]
     pub fn moves(self) -> bool {
         matches!(

@@ -17,7 +17,7 @@ pub(super) const POSITION_SD_M: f64 = 1e-3;
 /// Default standard deviation of a rotation of the home pose (rad).
 pub(super) const ROTATION_SD_RAD: f64 = 1e-3;
 
-/// Where a cable enters the robot: the point that stays when the pulley swivels (m, robot frame), the axis about which it
+/// Geometry of a pulley: the entry point, which stays when the pulley swivels (m, robot frame), the axis about which it
 /// swivels, a unit vector in the direction in which the cable arrives, and the radius (m), 0 for an eyelet.
 pub(super) struct Guide {
     pub(super) entry_point_m: [f64; 3],
@@ -129,13 +129,13 @@ pub(super) fn know_normal_to_plane(platform: &Platform, cables: &mut [Cable]) {
     }
 }
 
-/// What descriptions state of a robot.
+/// Content of a robot description.
 pub(super) struct Description {
     pub(super) platform: Platform,
     pub(super) cables: Vec<Cable>,
     pub(super) home: Option<Home>,
     pub(super) limits: Option<Limits>,
-    /// Whether it states how much cable a revolution winds.
+    /// Whether the description states the cable length per revolution.
     pub(super) has_winches: bool,
 }
 

@@ -34,9 +34,9 @@ pub struct Row {
     pub meaning: Meaning,
     /// Unit in the text, and how many of it are one SI unit.
     pub unit: (&'static str, f64),
-    /// Value where the text does not state it, in the unit of the text; `None` if it must.
+    /// Default in the unit of the text; `None` if the text has to state the number.
     pub(super) default: Option<f64>,
-    /// How far a projection looks for a better value, in the unit of the text; 0 if it does not.
+    /// Range of the search of a projection on either side, in the unit of the text; 0 if the value is not searched.
     pub range: f64,
     /// Digits after the point that are written.
     pub digits: usize,
@@ -101,7 +101,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Whether a value differs from the one in the text by no more than rounding.
+    /// Whether a value equals the one in the text to its rounding.
     #[must_use]
     pub fn is_unchanged(&self, value: f64) -> bool {
         (value - self.value).abs() <= 0.5 * 0.1_f64.powi(self.row.digits as i32)
@@ -162,9 +162,9 @@ impl ForeignRobot {
 pub struct Dialect {
     /// Name in commands.
     pub name: &'static str,
-    /// Whether it states what a motor revolution winds; a simulator states geometry only.
+    /// Whether texts state the cable length per motor revolution; those of simulators state geometry only.
     pub has_winches: bool,
-    /// Whether a text is in this dialect; the text may end early.
+    /// Recognises a text of this dialect, or its beginning.
     pub(super) is_in: fn(&str) -> bool,
     /// Reads a text under the name of its file; errors name the place.
     pub read: fn(&str, &str) -> Result<ForeignRobot, ReadError>,

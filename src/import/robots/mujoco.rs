@@ -97,7 +97,7 @@ impl<'x> Model<'x> {
         }
     }
 
-    /// Whether a body has a joint of its own.
+    /// Whether a body moves relative to its parent: by a joint, or as a mocap body.
     fn moves(&self, body: usize) -> bool {
         let element = self.bodies[body].element;
         let has_joint = ["joint", "freejoint"]

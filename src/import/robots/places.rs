@@ -27,7 +27,7 @@ const HOME_SD: f64 = 0.05;
 /// Standard deviation of the rotation there (rad).
 const HOME_ROTATION_SD_RAD: f64 = 0.05;
 
-/// What a column states of each cable.
+/// Property of a cable that a column states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Pulley,
@@ -37,7 +37,7 @@ enum Part {
     GearRatio,
 }
 
-/// Beginnings of words, of each of which a heading has one, with its part and how many of this a number is; the most specific first.
+/// Lists of word beginnings, with the property and its factor: a heading has one word of each list. The most specific first.
 const HEADINGS: [(&[&[&str]], Part, f64); 7] = [
     (&[DRUM, RADIUS], Part::DrumDiameter, 2.0),
     (&[DRUM, DIAMETER], Part::DrumDiameter, 1.0),
@@ -66,10 +66,10 @@ const PULLEY: &[&str] = &[
     "pulley", "rolle", "umlenk", "frame", "rahmen", "gestell", "base", "basis", "eyelet", "öse",
     "anchor",
 ];
-/// Words of what the rows of a table are.
+/// Words for the rows of a table.
 const ROWS: &[&str] = &["cable", "seil", "rope", "pulley", "rolle"];
 
-/// The places of the parts of each cable, as many of each as there are cables or none.
+/// The positions and sizes of the parts of each cable; each list has one element per cable or is empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PartPlaces {
     /// Names of the cables.
@@ -86,14 +86,14 @@ pub struct PartPlaces {
     pub gear_ratios: Vec<f64>,
 }
 
-/// A column that states something of each cable.
+/// A column of a property of the cables.
 struct Column<'s> {
     part: Part,
     /// Axis, or number of the column in its matrix.
     index: usize,
-    /// How many metres its unit is, 1 for a ratio; `None` if it does not say.
+    /// Unit of the column in metres, 1 for a ratio; `None` if the heading does not state it.
     unit: Option<f64>,
-    /// How many of what is kept one of its numbers is: 2 diameters for a radius.
+    /// Factor from the numbers of the column to the property: 2 from a radius to a diameter.
     ratio: f64,
     values: &'s Values,
 }

@@ -222,7 +222,7 @@ impl<'t> Settings<'t> {
         ReadError::new(self.file, place, message)
     }
 
-    /// Whether there is a key with this beginning.
+    /// Whether any key begins with `prefix`.
     pub(super) fn has(&self, prefix: &str) -> bool {
         self.all.iter().any(|(key, _)| key.starts_with(prefix))
     }

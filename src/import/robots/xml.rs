@@ -177,7 +177,7 @@ impl Element {
     }
 }
 
-/// Whether a text is XML in which an element has this beginning.
+/// Whether a text is XML with a tag that begins like `tag`.
 pub(super) fn has_tag(text: &str, tag: &str) -> bool {
     text.trim_start().starts_with('<') && text.contains(tag)
 }

@@ -11,7 +11,7 @@ pub(crate) struct Columns {
     file: String,
     columns: Vec<Column>,
     rows: usize,
-    /// Rows whose number of cells differs from that of the columns: line and cells of the first one, and how many.
+    /// Rows with too few or too many cells: line and number of cells of the first one, and the number of such rows.
     broken: Option<(u64, usize, usize)>,
     /// Line of the last row.
     last_line: u64,
@@ -23,9 +23,9 @@ struct Column {
     name: String,
     unit: Option<String>,
     cells: Filling,
-    /// Whether its numbers are dates and times of day (s).
+    /// Whether the cells are dates and times of day, as numbers in seconds.
     is_time: bool,
-    /// Cells that are not readings: line and text of the first one, and how many.
+    /// Cells that are not readings: line and text of the first one, and their number.
     not_read: Option<(u64, String, usize)>,
 }
 

@@ -119,7 +119,7 @@ impl Layout {
         })
     }
 
-    /// Whether the columns are the name and the coordinates of points.
+    /// Whether the table is a list of points, each with a name and coordinates.
     pub fn is_point_list(&self) -> bool {
         !self.has_header && self.headings[0].0 == "name"
     }
@@ -172,14 +172,14 @@ fn is_reading(cell: &str) -> bool {
     parse_number(cell).is_some() || parse_timestamp(cell).is_some()
 }
 
-/// Whether at least half of the cells that are not empty are readings.
+/// Whether a row is data: at least half of its filled cells are readings.
 fn is_data(cells: &Cells) -> bool {
     let readings = cells.iter().filter(|cell| is_reading(cell)).count();
     let filled = cells.iter().filter(|cell| !is_gap(cell)).count();
     readings > 0 && readings * 2 >= filled
 }
 
-/// Whether a row is a setting of the recorder, a key and its value: `Abtastrate;1000`, perhaps with a unit.
+/// Whether a row is a setting of the recorder: a key, its value and perhaps a unit, such as `Abtastrate;1000`.
 fn is_setting(cells: &Cells) -> bool {
     let filled = cells.iter().filter(|cell| !is_gap(cell)).count();
     !is_gap(cells.get(0)) && !is_reading(cells.get(0)) && filled <= 3

@@ -2,12 +2,12 @@
 
 use std::io::{Read, Result as IoResult};
 
-/// How a text is encoded.
+/// Encoding of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
     /// UTF-8, or Windows-1252 (Latin-1 with the characters that Windows adds) in lines that are not UTF-8.
     Bytes {
-        /// Whether such a line was found.
+        /// Whether any line is Windows-1252.
         latin: bool,
     },
     /// UTF-16, as Excel writes "Unicode text".

@@ -74,7 +74,7 @@ impl<'a> Lines<'a> {
         self.budget.take_values(count).map_err(failed)
     }
 
-    /// How the text is encoded, in words.
+    /// Encoding of the text.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }

@@ -10,7 +10,7 @@ pub struct Parameters {
     processor: Processor,
     groups: Vec<(u8, String)>,
     all: Vec<Parameter>,
-    /// Whether the chain is terminated properly.
+    /// Whether the chain of entries ends with its terminator.
     pub is_whole: bool,
 }
 

@@ -85,7 +85,7 @@ struct Bag {
 }
 
 impl Bag {
-    /// Whether the recorder has not closed the bag, or its end is missing.
+    /// Whether the bag was not closed by the recorder, or is cut off before its index.
     fn is_open(&self) -> bool {
         self.index_at == 0 || self.index_at > self.size
     }

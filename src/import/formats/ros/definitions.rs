@@ -95,12 +95,12 @@ impl Definitions {
         &self.0[place]
     }
 
-    /// Whether a part is a `MultiArrayLayout`.
+    /// Whether a type is `std_msgs/MultiArrayLayout`.
     pub fn is_array_layout(&self, kind: Kind) -> bool {
         matches!(kind, Kind::Nested(place) if self.get(place).name == "std_msgs/MultiArrayLayout")
     }
 
-    /// Whether the message consists of `data` only, so that the topic is the better name.
+    /// Whether the message has no field but `data`, so that the topic is the better name.
     pub fn is_only_data(&self) -> bool {
         let fields = self.message().fields.iter();
         let mut others = fields.filter(|field| !self.is_array_layout(field.kind));
@@ -118,7 +118,7 @@ impl Definitions {
     }
 }
 
-/// Whether this is a list of transforms, which ROS 1 once called `tf/tfMessage`.
+/// Whether a message type is a list of transforms; early versions of ROS 1 called it `tf/tfMessage`.
 fn is_transforms(name: &str) -> bool {
     name.ends_with("/TFMessage") || name == "tf/tfMessage"
 }

@@ -37,7 +37,7 @@ pub(super) struct Layout {
     pub stamp_s: Option<f64>,
     /// Parts of the messages that are left out.
     pub left_out: BTreeSet<String>,
-    /// Whether the columns are known.
+    /// Whether a first message has defined the columns.
     is_known: bool,
     root: Node,
     /// Columns by path, for self-describing messages.
@@ -50,7 +50,7 @@ struct Node {
     place: Option<Place>,
     /// Names of the elements of a list, if another list of the message states them.
     labels: Vec<String>,
-    /// Parts of it.
+    /// Fields of the part, or elements of the list.
     inner: Vec<Node>,
 }
 
@@ -398,13 +398,13 @@ impl<'a> Walk<'_, 'a> {
     }
 }
 
-/// Whether a field names the elements of its sibling lists, as `name` does in `JointState`.
+/// Whether a field is a list of names for the elements of its sibling lists, such as `name` in `JointState`.
 fn are_names(field: &Field) -> bool {
     let is_called = field.name == "name" || field.name == "names" || field.name.ends_with("_names");
     is_called && field.kind == Kind::Text && field.count != Count::One
 }
 
-/// Whether the names are unique.
+/// Whether all labels are unique, short and without control characters.
 fn are_distinct(labels: &[&str]) -> bool {
     let mut seen = HashSet::new();
     labels.iter().all(|label| {

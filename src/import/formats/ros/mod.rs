@@ -59,7 +59,7 @@ struct Topic {
     series: Vec<Rows>,
     /// Number of messages that do not match their type.
     unread: usize,
-    /// Whether frames beyond the maximum were left out.
+    /// Whether the topic has more frames than the maximum, which are left out.
     has_more_frames: bool,
 }
 

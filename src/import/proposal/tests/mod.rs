@@ -1,4 +1,4 @@
-//! The names of channels that others use: what is proposed for them, and that nothing is proposed wrongly.
+//! Proposals for names of channels that other programs use: most are recognised, and none is assigned wrongly.
 
 mod random_logs;
 
@@ -15,7 +15,7 @@ use crate::units::split_heading;
 
 const NAMES: &str = include_str!("names.csv");
 
-/// Share of the names that have to be recognised.
+/// Required fraction of recognised names.
 const RECOGNISED: f64 = 0.9;
 
 /// Names of one quantity or one pose.
@@ -43,7 +43,7 @@ fn rows() -> impl Iterator<Item = Row<'static>> {
     })
 }
 
-/// The value of channel `k` of a row at a pose; cables are counted from 0, components of a pose as well.
+/// The value of channel `k` of a row at a pose; cables and components of a pose are counted from 0.
 fn value(data: &Measurements, what: &str, k: usize, row: usize) -> f64 {
     let pose = data.commanded[row].expect("commanded");
     let [w, x, y, z] = pose.orientation_wxyz();
@@ -125,7 +125,7 @@ fn source(row: &Row<'_>, data: &Measurements) -> Source {
     }
 }
 
-/// What is assigned wrongly, and the names that are recognised and missed.
+/// Names that are assigned wrongly, missed and recognised.
 #[derive(Default)]
 struct Score {
     wrong: Vec<String>,

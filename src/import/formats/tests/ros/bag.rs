@@ -36,7 +36,7 @@ fn message(id: u8, second: u8, data: &[u8]) -> Vec<u8> {
     record(&fields, data)
 }
 
-/// Whether topics are the same in a bag and in a recording of ROS 2.
+/// Asserts that topics are the same in a bag and in a recording of ROS 2.
 fn assert_alike(bag: &Source, mcap: &Source, topics: &[&str]) {
     for topic in topics {
         let (found, expected) = (series(bag, topic), series(mcap, topic));
