@@ -4,7 +4,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 
 use crate::cutting::{Averaged, CutPose};
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Completes commanded positions: coordinates in which the platform cannot move, and a missing orientation, are those of the home
 /// pose. Positions without a coordinate that is free are left out. Notices state both.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tautline_core::robot::Robot;
 
 use crate::naming::{Family, families, is_label};
-use crate::recipe::{Kind, Mapping};
+use crate::recipe::{Mapping, QuantityKind as Kind};
 use crate::source::{Series, Source};
 
 /// Most names in one notice.

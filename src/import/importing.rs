@@ -13,7 +13,7 @@ use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
 use crate::memory::MemoryBudget;
-use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
+use crate::recipe::{Cutting, Mapping, Quantity, QuantityKind as Kind, Recipe, is_series, resolve};
 use crate::source::Source;
 use crate::turning::turn_angles;
 

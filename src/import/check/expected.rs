@@ -8,7 +8,7 @@ use tautline_core::robot::Robot;
 
 use super::{Readings, lengths};
 use crate::external::other_frame;
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Expected readings by column, and the poses at which they are computed.
 pub(super) struct Expected {

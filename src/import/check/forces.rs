@@ -9,7 +9,7 @@ use tautline_core::robot::{Robot, STANDARD_GRAVITY_M_S2};
 
 use super::expected::Expected;
 use super::{Change, FEWEST, Readings, Suggestion};
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Factors from other units to newtons.
 const UNITS: [(f64, &str); 4] = [

@@ -11,7 +11,7 @@ use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};
 use tautline_core::robot::Robot;
 
 use super::{FITS, Readings, factors};
-use crate::recipe::Kind;
+use crate::recipe::QuantityKind as Kind;
 
 /// Number of rows by which assumptions are compared: with two redundant cables, 12 rows have 24 contradictions.
 const COMPARED: usize = 12;

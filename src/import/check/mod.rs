@@ -20,7 +20,7 @@ use tautline_core::robot::Robot;
 
 use crate::external::other_frame;
 use crate::median::median;
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 use expected::Expected;
 pub use line::Line;
 pub(crate) use line::fit;
@@ -189,12 +189,12 @@ fn suggestions(readings: &Readings, expected: &Expected, robot: &Robot) -> Vec<S
                         && suggestion.columns.contains(&quantity.column())
                 })
             };
-            let columns: Vec<Column<'_>> = readings
+            let columns: Vec<Comparison<'_>> = readings
                 .of(kind)
                 .into_iter()
                 .filter(|(quantity, _)| !is_dead(quantity))
                 .filter_map(|(quantity, values)| {
-                    Some(Column {
+                    Some(Comparison {
                         quantity,
                         values,
                         expected: expected.column(quantity)?,
@@ -216,7 +216,7 @@ fn suggestions(readings: &Readings, expected: &Expected, robot: &Robot) -> Vec<S
 }
 
 /// A column with its expected values.
-struct Column<'a> {
+struct Comparison<'a> {
     quantity: Quantity,
     values: &'a [f64],
     expected: &'a [f64],
@@ -384,7 +384,7 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
 
 /// Compares the columns of a kind with their expected values.
 fn compare(
-    columns: &[Column<'_>],
+    columns: &[Comparison<'_>],
     readings: &Readings,
     expected: &Expected,
     robot: &Robot,
@@ -440,7 +440,7 @@ fn compare(
 
 /// Finds encoder steps and removes them from the values.
 fn steps(
-    column: &Column<'_>,
+    column: &Comparison<'_>,
     values: &mut [f64],
     readings: &Readings,
     robot: &Robot,
@@ -504,7 +504,7 @@ fn steps(
 
 /// Finds a cable that is longer by the same large amount at all poses, as by a piece that robot.json does not state.
 fn extensions(
-    columns: &[Column<'_>],
+    columns: &[Comparison<'_>],
     fitting: &[(usize, Line)],
     robot: &Robot,
     found: &mut Vec<Suggestion>,
@@ -553,7 +553,7 @@ fn extensions(
     }
 }
 
-fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+fn signs(columns: &[Comparison<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
     // Distances and lengths have no sign that could be reversed, but one that is wrong.
     let may_be_reversed = |k: usize| match columns[k].quantity.kind {
         Kind::Laser | Kind::Length => {
@@ -587,7 +587,7 @@ fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
     }
 }
 
-fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+fn units(columns: &[Comparison<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
     let Some(kind) = columns.first().map(|column| column.quantity.kind) else {
         return;
     };
@@ -627,7 +627,7 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
 }
 
 /// Finds a ratio by which the readings of all winches differ, as those of a machine with other drums or gears.
-fn other_drums(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+fn other_drums(columns: &[Comparison<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
     let slopes = fitting.iter().map(|(_, line)| line.slope);
     let Some(ratio) = median(slopes.clone()).filter(|ratio| *ratio > 0.0) else {
         return;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::measurement::Measurements;
 
 use crate::external::align_measured;
-use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
+use crate::recipe::{Assignment, Clock, Quantity, QuantityKind as Kind, Recipe, Step};
 
 /// Kind of a mistake in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -12,7 +12,9 @@ use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, quoted};
 
 use crate::memory::MemoryBudget;
-use crate::recipe::{Cutting, Kind, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
+use crate::recipe::{
+    Cutting, Mapped, Mapping, Quantity, QuantityKind as Kind, Recipe, Rest, resolve,
+};
 use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;

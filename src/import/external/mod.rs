@@ -16,7 +16,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
 use crate::cutting::{Averaged, CutPose};
-use crate::recipe::{Instrument, Kind, Quantity, Recipe};
+use crate::recipe::{Instrument, Quantity, QuantityKind as Kind, Recipe};
 use placement::{Alignment, Pair, align};
 use platform_poses::platform_poses;
 pub(crate) use rigid_body::FEWEST as FEWEST_MARKERS;

@@ -181,7 +181,7 @@ impl Size {
 }
 
 /// A column of an array.
-struct Column {
+struct ColumnBuilder {
     name: String,
     unit: Option<String>,
     cells: Filling,
@@ -450,7 +450,7 @@ impl Reader<'_> {
         fields: &[Field],
         attributes: &HashMap<String, AttrValue>,
         headings: Option<&Vec<String>>,
-    ) -> Vec<Column> {
+    ) -> Vec<ColumnBuilder> {
         let stated = |(name, _): &(&String, &AttrValue)| {
             ["unit", "units"].contains(&name.to_lowercase().as_str())
         };
@@ -483,7 +483,7 @@ impl Reader<'_> {
                         _ => None,
                     };
                     let stated = stated.map(|unit| bare(unit).to_owned());
-                    columns.push(Column {
+                    columns.push(ColumnBuilder {
                         name,
                         unit: stated.filter(|unit| !unit.is_empty()).or(heading),
                         cells: match field.cell {
@@ -505,7 +505,7 @@ impl Reader<'_> {
         shape: &[u64],
         size: Size,
         fields: &[Field],
-        columns: &mut [Column],
+        columns: &mut [ColumnBuilder],
     ) -> Result<(), ReadError> {
         let element = dataset
             .element_size()
@@ -578,7 +578,7 @@ impl Reader<'_> {
     }
 
     /// Adds the columns of an array to the series of as many rows; in MATLAB, of the same variable.
-    fn add(&mut self, path: &str, size: Size, columns: Vec<Column>) {
+    fn add(&mut self, path: &str, size: Size, columns: Vec<ColumnBuilder>) {
         let owner = match path.split_once('.') {
             Some((owner, _)) if self.is_matlab => owner,
             _ => "",
@@ -594,7 +594,7 @@ impl Reader<'_> {
             self.series.len() - 1
         });
         let series = &mut self.series[place].1;
-        for Column { name, unit, cells } in columns {
+        for ColumnBuilder { name, unit, cells } in columns {
             let place = format!("{}, array {}", self.file, quoted(&name));
             let added = series.add(name, unit, cells);
             let notice = |why| format!("{place}: {why}");
@@ -630,7 +630,7 @@ fn parts_of(fields: &[Field]) -> usize {
 }
 
 /// Adds an element of an array to the columns from index `place` on.
-fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [Column], mut place: usize) {
+fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [ColumnBuilder], mut place: usize) {
     for field in fields {
         for part in 0..field.count {
             let at = field.offset + part * field.size;
@@ -645,7 +645,7 @@ fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [Column], mut place: u
     }
 }
 
-fn cells_of(columns: &mut [Column], place: usize) -> Option<&mut Filling> {
+fn cells_of(columns: &mut [ColumnBuilder], place: usize) -> Option<&mut Filling> {
     columns.get_mut(place).map(|column| &mut column.cells)
 }
 

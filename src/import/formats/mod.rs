@@ -53,7 +53,7 @@ const LEFT_OUT: &str = "which this build leaves out, expected the program of a r
 const MATLAB_73: &[u8] = b"MATLAB 7.3";
 
 /// Recognised kind of a file.
-enum Kind {
+enum FileKind {
     Readable(Format),
     /// A robot description rather than readings.
     RobotDescription,
@@ -100,13 +100,13 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let budget = watch.budget().temporary();
     let mut input = Input::new(input, watch, &budget);
     let format = match recognise(&head, path) {
-        Kind::Readable(format) => format,
-        Kind::RobotDescription => {
+        FileKind::Readable(format) => format,
+        FileKind::RobotDescription => {
             return refuse(
                 "is the description of a robot, expected readings; import it by itself, with -o robot.json",
             );
         }
-        Kind::Refused(message) => return refuse(message),
+        FileKind::Refused(message) => return refuse(message),
     };
     match format {
         Format::Table | Format::PointList => delimited::read(&head, input, &file),
@@ -149,7 +149,7 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
 /// Whether a file is a robot description rather than readings.
 pub(crate) fn holds_description(path: &Path) -> Result<bool, ReadError> {
     let (head, _) = open(path, &path.display().to_string())?;
-    Ok(matches!(recognise(&head, path), Kind::RobotDescription))
+    Ok(matches!(recognise(&head, path), FileKind::RobotDescription))
 }
 
 /// Opens a file and returns its first bytes and the rewound file.
@@ -182,8 +182,8 @@ fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
-fn recognise(head: &[u8], path: &Path) -> Kind {
-    use Kind::{Readable, Refused, RobotDescription};
+fn recognise(head: &[u8], path: &Path) -> FileKind {
+    use FileKind::{Readable, Refused, RobotDescription};
     if path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("svdx"))

@@ -41,14 +41,14 @@ pub(super) fn read(archive: &Workbook<'_>) -> Result<Source, ReadError> {
 }
 
 /// Type of the document and number of its sheets.
-struct Kind {
+struct DocumentType {
     is_spreadsheet: bool,
     sheets: usize,
 }
 
 /// `None` if it is not XML.
-fn kind(text: &str) -> Option<Kind> {
-    let mut kind = Kind {
+fn kind(text: &str) -> Option<DocumentType> {
+    let mut kind = DocumentType {
         is_spreadsheet: false,
         sheets: 0,
     };

@@ -22,7 +22,7 @@ const ROWS: usize = 1 << 13;
 const VALUE: usize = size_of::<f64>();
 
 /// A column of the file with its destination.
-struct Column {
+struct ColumnBuilder {
     /// Index of the column in the file.
     number: usize,
     /// Definition level of a cell that has a value.
@@ -127,7 +127,7 @@ fn columns(
     reader: &SerializedFileReader<File>,
     file: &str,
     notices: &mut Vec<String>,
-) -> Vec<Column> {
+) -> Vec<ColumnBuilder> {
     let schema = reader.metadata().file_metadata().schema_descr();
     let mut columns = Vec::new();
     for (number, descriptor) in schema.columns().iter().enumerate() {
@@ -141,7 +141,7 @@ fn columns(
         }
         let (name, stated) = split_heading(&path);
         match Content::of(descriptor) {
-            Content::Numbers(scale) => columns.push(Column {
+            Content::Numbers(scale) => columns.push(ColumnBuilder {
                 number,
                 level: descriptor.max_def_level(),
                 name,
@@ -152,7 +152,7 @@ fn columns(
                 scale,
                 cells: Filling::Numbers(Vec::new()),
             }),
-            Content::Texts => columns.push(Column {
+            Content::Texts => columns.push(ColumnBuilder {
                 number,
                 level: descriptor.max_def_level(),
                 name: path,
@@ -232,7 +232,7 @@ impl Content {
     }
 }
 
-impl Column {
+impl ColumnBuilder {
     /// Adds the cells of a row group and returns their number.
     fn fill(&mut self, reader: ColumnReader, budget: &MemoryBudget) -> Result<usize, ParquetError> {
         let (level, scale) = (self.level, self.scale);

@@ -1,6 +1,6 @@
 //! Words by which channels are recognised, in English and German.
 
-use crate::recipe::Kind;
+use crate::recipe::QuantityKind as Kind;
 
 /// Kinds that one channel for each cable can be.
 pub(crate) const PER_CABLE: &[(Kind, &[&str])] = &[

@@ -15,7 +15,9 @@ use crate::naming::words::{
     ANGLES, GROUP, HOT, LABEL, LASER, NO_CLOCK, OTHER, PER_CABLE, RANGE, TEMPERATURE, TIME, TRAVEL,
 };
 use crate::naming::{Family, families, words_of};
-use crate::recipe::{AngleOrder, Assignment, Cutting, Kind, Quantity, Recipe, Rest, resolve};
+use crate::recipe::{
+    AngleOrder, Assignment, Cutting, Quantity, QuantityKind as Kind, Recipe, Rest, resolve,
+};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
 use evidence::{are_quaternion, is_clock, magnitude};

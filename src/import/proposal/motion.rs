@@ -9,7 +9,7 @@ use tautline_core::robot::Robot;
 
 use super::recognition::since_home;
 use crate::check::fit;
-use crate::recipe::{Kind, Mapping, Quantity};
+use crate::recipe::{Mapping, Quantity, QuantityKind as Kind};
 use crate::source::Channel;
 
 /// Most rows that are looked at.

@@ -6,7 +6,7 @@ use crate::naming::words::{
     WANTED,
 };
 use crate::naming::words_of;
-use crate::recipe::{AngleOrder, Kind};
+use crate::recipe::{AngleOrder, QuantityKind as Kind};
 use crate::source::Channel;
 use crate::units::{Dimension, Unit, parse_unit};
 

@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Kind, Quantity, Recipe};
+use super::{Quantity, QuantityKind as Kind, Recipe};
 
 /// Axes of three angles: `R = R1(a1) R2(a2) R3(a3)`, each a rotation about an axis of the frame that those before have turned. In
 /// reverse order, they turn about fixed axes. Written as three letters, such as `zyx`; neighbours differ.

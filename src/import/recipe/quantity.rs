@@ -2,20 +2,22 @@
 
 use std::f64::consts::TAU;
 
+use QuantityKind as Kind;
+
 use crate::units::{Dimension, Unit, parse_unit};
 
 /// A column of `poses.csv`, or a coordinate of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Quantity {
     /// Kind.
-    pub kind: Kind,
+    pub kind: QuantityKind,
     /// Index of the cable, from 0, or component within a group of columns; three components per marker in sequence.
     pub index: usize,
 }
 
 /// Kind of a column, each with its names in `poses.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum QuantityKind {
     /// `pose`
     Label,
     /// `time_s`
@@ -301,7 +303,7 @@ impl Quantity {
     }
 }
 
-impl Kind {
+impl QuantityKind {
     /// Column for a cable number, or for `{i}`.
     #[must_use]
     pub fn column_of(self, number: &str) -> String {

@@ -127,7 +127,7 @@ pub(crate) fn resolve<'a>(
                 from_first_pose: assignment.from_first_pose,
                 assignment: k,
             };
-            if quantity.kind == super::Kind::Time {
+            if quantity.kind == super::QuantityKind::Time {
                 mapping.times[place] = Some(mapped);
             } else {
                 mapping.quantities.insert(quantity, mapped);

@@ -1,6 +1,6 @@
 //! Texts of other programs that are read and written: firmware and simulators.
 //!
-//! Each dialect is a table of [`Row`]s, what its numbers mean, and the robot that they describe. The places of the numbers are known,
+//! Each dialect is a table of [`Setting`]s, what its numbers mean, and the robot that they describe. The places of the numbers are known,
 //! so a calibrated robot is written by changing numbers in the user's own text, or in a new text of the same dialect.
 
 use std::ops::Range;
@@ -27,7 +27,7 @@ pub enum Meaning {
 
 /// A number that a dialect states once or for every cable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct Setting {
     /// Key of the setting; `{cable}` stands for the name of the cable there, `{index}` for its number from 0.
     pub(super) key: &'static str,
     /// Meaning for the robot.
@@ -46,7 +46,7 @@ pub struct Row {
 pub(super) const M: (&str, f64) = ("m", 1.0);
 pub(super) const MM: (&str, f64) = ("mm", 1e3);
 
-impl Row {
+impl Setting {
     /// A number that is read, has a default and stays as it is.
     pub(super) const fn kept(key: &'static str, unit: (&'static str, f64), default: f64) -> Self {
         Self {
@@ -95,7 +95,7 @@ pub struct Parameter {
     /// Value in the unit of the text.
     pub value: f64,
     /// Its row in the table of the dialect.
-    pub row: Row,
+    pub row: Setting,
     /// Bytes of the value in the text.
     pub(super) at: Range<usize>,
 }

@@ -12,7 +12,7 @@ use tautline_core::robot::{Cable, Platform};
 use tautline_session::{ReadError, quoted};
 
 use super::description::{Guide, INERTIA, cable_of, filled, in_frame, pose_of, simulated};
-use super::dialect::{Dialect, ForeignRobot, Row};
+use super::dialect::{Dialect, ForeignRobot, Setting};
 use super::settings::Settings;
 use super::xml::{self, Element};
 
@@ -190,10 +190,10 @@ impl<'x> Model<'x> {
                 Err(_) => name.to_owned(),
             };
             if let Some(at) = pulley.at.clone() {
-                settings.point(pulley.name, at, &name, Row::entry)?;
+                settings.point(pulley.name, at, &name, Setting::entry)?;
             }
             if let Some(at) = anchor.at.clone().filter(|_| anchor.within == platform) {
-                settings.point(anchor.name, at, &name, Row::anchor)?;
+                settings.point(anchor.name, at, &name, Setting::anchor)?;
             }
             let guide = Guide::eyelet(self.pose(pulley.name)?.position.into());
             let end = self.pose(anchor.name)?.position - home.position;

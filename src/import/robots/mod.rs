@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Place, ReadError, open_input};
 
-pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Row};
+pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Setting};
 pub use places::PartPlaces;
 pub(crate) use places::places_of;
 use xml::Element;

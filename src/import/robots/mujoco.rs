@@ -11,7 +11,7 @@ use tautline_core::robot::{Cable, Platform, Robot};
 use tautline_session::{ReadError, quoted};
 
 use super::description::{Guide, cable_of, escaped, in_frame, inertia_of, list, simulated};
-use super::dialect::{Dialect, ForeignRobot, Row};
+use super::dialect::{Dialect, ForeignRobot, Setting};
 use super::settings::Settings;
 use super::xml::{self, Element};
 
@@ -236,7 +236,7 @@ fn cable(
             (guide, &model.bodies[from.body], run_m)
         }
     };
-    let rows: [fn(usize) -> Row; 2] = [Row::entry, Row::anchor];
+    let rows: [fn(usize) -> Setting; 2] = [Setting::entry, Setting::anchor];
     for (Placed { element, .. }, row) in [moved, end].into_iter().zip(rows) {
         if let (Some(place), Some(at)) = (element.attribute("name"), element.place("pos")) {
             let key = format!("{} {place} pos", element.name);

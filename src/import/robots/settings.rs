@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use tautline_session::{Place, ReadError, quoted};
 
-use super::dialect::{Meaning, Parameter, Row};
+use super::dialect::{Meaning, Parameter, Setting};
 
 /// Deepest nesting of YAML.
 const MAX_DEPTH: usize = 64;
@@ -61,7 +61,7 @@ impl<'t> Settings<'t> {
         &mut self,
         key: &str,
         cable: &str,
-        row: fn(usize) -> Row,
+        row: fn(usize) -> Setting,
     ) -> Result<[f64; N], ReadError> {
         let mut numbers = [0.0; N];
         for (index, number) in numbers.iter_mut().enumerate() {
@@ -76,7 +76,7 @@ impl<'t> Settings<'t> {
         key: &str,
         at: Range<usize>,
         cable: &str,
-        row: fn(usize) -> Row,
+        row: fn(usize) -> Setting,
     ) -> Result<(), ReadError> {
         self.push_list(key, self.text.get(at).unwrap_or_default());
         self.numbers::<3>(key, cable, row).map(drop)
@@ -166,7 +166,7 @@ impl<'t> Settings<'t> {
     /// The number of a row in SI units, for a cable with its index and name.
     pub(super) fn get(
         &mut self,
-        row: &Row,
+        row: &Setting,
         (index, name): (usize, &str),
     ) -> Result<f64, ReadError> {
         let key = row.key.replace("{cable}", name);
@@ -175,7 +175,12 @@ impl<'t> Settings<'t> {
     }
 
     /// The number of a row that stands under another key, in SI units.
-    pub(super) fn number(&mut self, row: &Row, key: String, cable: &str) -> Result<f64, ReadError> {
+    pub(super) fn number(
+        &mut self,
+        row: &Setting,
+        key: String,
+        cable: &str,
+    ) -> Result<f64, ReadError> {
         self.used.push(key.clone());
         let Some((text, at)) = self.text(&key).zip(self.place(&key)) else {
             let message = format!("found no {key}, expected a number in {}", row.unit.0);
@@ -200,7 +205,7 @@ impl<'t> Settings<'t> {
     }
 
     /// The number of a row, which must be positive.
-    pub(super) fn positive(&mut self, row: &Row, at: (usize, &str)) -> Result<f64, ReadError> {
+    pub(super) fn positive(&mut self, row: &Setting, at: (usize, &str)) -> Result<f64, ReadError> {
         let value = self.get(row, at)?;
         if value > 0.0 {
             return Ok(value);

@@ -9,7 +9,7 @@ use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
 /// Columns that are filled row by row.
 pub(crate) struct Columns {
     file: String,
-    columns: Vec<Column>,
+    columns: Vec<ColumnBuilder>,
     rows: usize,
     /// Rows with too few or too many cells: line and number of cells of the first one, and the number of such rows.
     broken: Option<(u64, usize, usize)>,
@@ -19,7 +19,7 @@ pub(crate) struct Columns {
     decimals: [Option<u64>; 2],
 }
 
-struct Column {
+struct ColumnBuilder {
     name: String,
     unit: Option<String>,
     cells: Filling,
@@ -40,7 +40,7 @@ impl Columns {
         };
         let column = |(k, (name, unit)): (usize, &(String, Option<String>))| {
             let (cells, is_time) = filling_like(data().map(|cells| cells.get(k)));
-            Column {
+            ColumnBuilder {
                 name: name.clone(),
                 unit: if is_time {
                     Some("s".into())
@@ -128,7 +128,7 @@ impl Columns {
             ..Series::default()
         };
         for column in self.columns {
-            let Column {
+            let ColumnBuilder {
                 name,
                 unit,
                 cells,
@@ -170,7 +170,7 @@ fn filling_like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> (Filling, b
     }
 }
 
-impl Column {
+impl ColumnBuilder {
     /// Adds a cell and returns the decimal separator of its number.
     fn push(&mut self, line: u64, cell: &str) -> Option<Decimal> {
         let mut decimal = None;

@@ -13,7 +13,7 @@ use std::io;
 
 use tautline_session::{Place, ReadError, quoted};
 
-use self::definitions::{Definitions, Kind};
+use self::definitions::{Definitions, FieldType};
 use self::layout::Layout;
 use self::wire::Wire;
 use crate::memory::MemoryBudget;
@@ -68,7 +68,7 @@ enum Decoder {
     /// By their type.
     Typed(Begin, Definitions),
     /// Transforms, with one series per frame.
-    Transforms(Begin, Definitions, Kind),
+    Transforms(Begin, Definitions, FieldType),
     Json,
 }
 
@@ -274,7 +274,7 @@ impl Topic {
                     true => name.trim_matches('/').replace('/', "."),
                     false => String::new(),
                 };
-                layout.read(definitions, Kind::Nested(0), &mut wire, &root)
+                layout.read(definitions, FieldType::Nested(0), &mut wire, &root)
             }),
             Decoder::Transforms(begin, definitions, kind) => {
                 let Some(mut wire) = begin(data) else {

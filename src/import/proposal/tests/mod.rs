@@ -19,14 +19,14 @@ const NAMES: &str = include_str!("names.csv");
 const RECOGNISED: f64 = 0.9;
 
 /// Names of one quantity or one pose.
-struct Row<'a> {
+struct ChannelNames<'a> {
     names: Vec<&'a str>,
     unit: &'a str,
     values: &'a str,
     columns: Vec<&'a str>,
 }
 
-fn rows() -> impl Iterator<Item = Row<'static>> {
+fn rows() -> impl Iterator<Item = ChannelNames<'static>> {
     let lines = NAMES.lines().filter(|line| !line.starts_with('#'));
     lines.map(|line| {
         let cells: Vec<&str> = line.splitn(5, ';').collect();
@@ -34,7 +34,7 @@ fn rows() -> impl Iterator<Item = Row<'static>> {
             panic!("five cells, found {line}");
         };
         assert!(source.len() > 3, "a source of {names}");
-        Row {
+        ChannelNames {
             names: names.split('|').collect(),
             unit,
             values,
@@ -84,7 +84,7 @@ fn value(data: &Measurements, what: &str, k: usize, row: usize) -> f64 {
 }
 
 /// A file with the channels of a row; patterns have one for each of eight cables.
-fn source(row: &Row<'_>, data: &Measurements) -> Source {
+fn source(row: &ChannelNames<'_>, data: &Measurements) -> Source {
     let mut channels = Vec::new();
     let mut add = |heading: &str, k: usize| {
         let (name, unit) = split_heading(heading);
@@ -135,7 +135,7 @@ struct Score {
 
 impl Score {
     /// Compares the proposal for a row with what is expected.
-    fn add(&mut self, row: &Row<'_>, robot: &Robot, data: &Measurements) {
+    fn add(&mut self, row: &ChannelNames<'_>, robot: &Robot, data: &Measurements) {
         let source = source(row, data);
         let (recipe, _) = propose(std::slice::from_ref(&source), robot);
         for (name, expected) in row.names.iter().zip(&row.columns) {
