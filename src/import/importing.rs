@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
-use tautline_session::{Place, ReadError, escape_formula, read_poses};
+use tautline_session::{Location, ReadError, escape_formula, read_poses};
 
 use crate::check::{Change, Readings, Suggestion, check};
 use crate::commands::complete_commands;
@@ -57,7 +57,7 @@ pub fn import(
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
     let recipe = &place(&mut poses, recipe, robot, &mut notices)
-        .map_err(|message| ReadError::new(file, Place::File, message))?;
+        .map_err(|message| ReadError::new(file, Location::File, message))?;
     let columns = columns(&mapping, &poses, recipe);
     let readings = readings(&poses, &labels, &columns, recipe);
     let suggestions = suggestions(&mapping, &readings, recipe, robot, &mut notices);
@@ -243,7 +243,7 @@ impl std::fmt::Display for ImportError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.error)?;
         let about = |suggestion: &&Suggestion| match &self.error.place {
-            Place::Cell(_, column) => suggestion.columns.contains(column),
+            Location::Cell(_, column) => suggestion.columns.contains(column),
             _ => false,
         };
         let first = self

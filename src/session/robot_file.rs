@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 use tautline_core::robot::{FieldError, Robot};
 
-use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::error::{Loaded, Location, ReadError, WriteError};
 use crate::json::{VersionedFile, parse_versioned, read_limited, read_versioned, write_versioned};
 use crate::sensors::resolve_in_robot;
 use crate::session::Timestamp;
@@ -65,7 +65,7 @@ pub(crate) fn read_measured_at(path: &Path) -> Result<Option<Timestamp>, ReadErr
         }
         other => Err(ReadError::new(
             &file,
-            Place::Pointer(format!("/{MEASURED_AT}")),
+            Location::Pointer(format!("/{MEASURED_AT}")),
             format!(
                 "found {other}, expected a time as in RFC 3339, such as \"2026-03-12T09:30:00Z\""
             ),

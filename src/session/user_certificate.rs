@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Place, ReadError};
+use crate::error::{Location, ReadError};
 use crate::json::{check_size, read_limited};
 use crate::opcua_key::OpcUaKey;
 use crate::pem::{CERTIFICATE, PRIVATE_KEY, decoded, encoded, section};
@@ -96,13 +96,13 @@ fn read_certificate(file: &str) -> Result<Vec<u8>, ReadError> {
             "found {} bytes that are no certificate, expected one in DER or PEM",
             bytes.len()
         );
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     })
 }
 
 /// A private key in PEM, whatever form its file has.
 fn read_key(file: &str) -> Result<String, ReadError> {
-    let wrong = |message: String| ReadError::new(file, Place::File, message);
+    let wrong = |message: String| ReadError::new(file, Location::File, message);
     let encrypted = || {
         wrong(format!(
             "found an encrypted private key, expected one without a password: write a copy by `openssl pkey -in {file:?} -out DECRYPTED.pem`, which only you can read, and give that"

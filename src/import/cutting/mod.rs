@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use tautline_core::measurement::{SampledChannel, follows_a_motion};
 use tautline_core::robot::Robot;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use crate::memory::MemoryBudget;
 use crate::recipe::{
@@ -135,7 +135,7 @@ pub(crate) fn cut(
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
         let message = "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let main = main_series(mapping);
     let all: Vec<Times> = (0..mapping.series.len())
@@ -172,7 +172,7 @@ pub(crate) fn cut(
                     "found no standstill of {} s in {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or \"motion\" as the cutting of a recording in motion",
                     rest.minimum_s
                 );
-                return Err(ReadError::new(file, Place::File, message));
+                return Err(ReadError::new(file, Location::File, message));
             }
             let kept: usize = found.iter().map(Range::len).sum();
             notices.push(format!("{} standstills with {kept} of {rows} rows; the other rows, in motion or settling, are not used", found.len()));
@@ -184,7 +184,7 @@ pub(crate) fn cut(
     let taken = budget.temporary().take(READING * readings as u64);
     taken.map_err(|over| {
         let message = format!("a table of {} poses {over}", ranges.len());
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     })?;
     let mut poses = Vec::with_capacity(ranges.len());
     for range in &ranges {
@@ -210,7 +210,7 @@ fn by_labels(
     let Some((_, label)) = label else {
         let message =
             "cutting by labels needs a channel assigned to pose in the series of the cables";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     };
     let series = mapping.series[main];
     let same = |row: usize| match label.is_text {
@@ -369,7 +369,7 @@ fn other_rows(
         quoted(&series.name),
         series.rows
     );
-    Err(ReadError::new(file, Place::File, message))
+    Err(ReadError::new(file, Location::File, message))
 }
 
 /// Whether two labels denote one pose: equal, or with the same number, such as P7 and 7.

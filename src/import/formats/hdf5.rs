@@ -16,7 +16,7 @@ use hdf5_pure::{
     AttrValue, ChunkIndex, Dataset, Datatype, Error, File, FileAccessProperties, FormatError,
     Group, Layout, MetadataCacheConfig, ReadSeekSource,
 };
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Location, ReadError, quoted, read_damaged};
 
 use super::hdf5_elements::{Cell, Field, fields_of, joined, text};
 use super::matlab::object;
@@ -48,7 +48,7 @@ const MAX_RATIO: u64 = 1032;
 const FILTERS: [u16; 5] = [1, 2, 3, 6, 32000];
 
 pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<Source, ReadError> {
-    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: std::io::Error| ReadError::io(file, Location::File, &error);
     let opened = input.file().map_err(io)?;
     let (progress, reports) = channel();
     let budget = input.budget();
@@ -57,7 +57,7 @@ pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<
             read_damaged(|| read_file(opened, progress, (format, budget), file)).unwrap_or_else(
                 || {
                     let message = "is damaged, expected HDF5";
-                    Err(ReadError::new(file, Place::File, message))
+                    Err(ReadError::new(file, Location::File, message))
                 },
             )
         };
@@ -79,7 +79,7 @@ fn read_file(
     (format, budget): (Format, &MemoryBudget),
     file: &str,
 ) -> Result<Source, ReadError> {
-    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: std::io::Error| ReadError::io(file, Location::File, &error);
     let bytes = opened.metadata().map_err(io)?.len();
     let counted = Counted {
         file: opened,
@@ -108,7 +108,7 @@ fn read_file(
     let series = reader.finish();
     if series.is_empty() {
         let message = "found no numeric array of two rows or more, expected readings";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     Ok(Source {
         file: file.into(),
@@ -189,7 +189,7 @@ struct ColumnBuilder {
 
 impl Reader<'_> {
     fn fail(&self, message: impl Into<String>) -> ReadError {
-        ReadError::new(self.file, Place::File, message)
+        ReadError::new(self.file, Location::File, message)
     }
 
     fn damaged(&self, error: &Error) -> ReadError {

@@ -10,7 +10,7 @@
 //! Source: MAT-File Format, The MathWorks, R2019b.
 
 use flate2::read::ZlibDecoder;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::fault::Fault;
 use super::{stem, whole};
@@ -36,7 +36,7 @@ const OPAQUE: u32 = 17;
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let bytes = whole(input, file)?;
     let fail = |at: usize, message: &str| {
-        ReadError::new(file, Place::File, format!("byte {at}: {message}"))
+        ReadError::new(file, Location::File, format!("byte {at}: {message}"))
     };
     let refuse = |at: usize, fault: Fault, damaged: &str| match fault {
         Fault::Damaged => fail(at, damaged),
@@ -102,7 +102,7 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
             format!(" ({})", notice.trim_start_matches(&format!("{file}: ")))
         });
         let message = format!("found no numeric array of two rows or more, expected readings{why}");
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     Ok(Source {
         file: file.into(),

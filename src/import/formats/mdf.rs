@@ -6,7 +6,7 @@
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::fault::Fault;
 use super::{over_budget, stem, whole};
@@ -25,7 +25,7 @@ const MOST_BLOCKS: usize = 1 << 20;
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let bytes = whole(&mut input, file)?;
-    let fail = |message: String| ReadError::new(file, Place::File, message);
+    let fail = |message: String| ReadError::new(file, Location::File, message);
     let version = String::from_utf8_lossy(bytes.get(8..16).unwrap_or_default());
     if !version.starts_with('4') {
         let version = version.trim_matches(|letter: char| letter.is_whitespace() || letter == '\0');

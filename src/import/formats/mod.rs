@@ -29,7 +29,7 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-use tautline_session::{Place, ReadError, open_input};
+use tautline_session::{Location, ReadError, open_input};
 
 use crate::input::{Input, Watch};
 use crate::memory::{MemoryBudget, OverBudget};
@@ -79,7 +79,7 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
     let mut series = source.series.iter();
     if series.all(|one| one.channels.is_empty() || one.rows == 0) {
         let message = "found a table without numbers, expected readings";
-        return Err(ReadError::new(&source.file, Place::File, message));
+        return Err(ReadError::new(&source.file, Location::File, message));
     }
     let bytes = source.series.iter().map(Series::bytes);
     let taken = watch.budget().take(bytes.fold(0, u64::saturating_add));
@@ -89,12 +89,12 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
 
 /// The error that a file needs more memory than there is.
 fn over_budget(file: &str, over: OverBudget) -> ReadError {
-    ReadError::new(file, Place::File, over.to_string())
+    ReadError::new(file, Location::File, over.to_string())
 }
 
 fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let file = path.display().to_string();
-    let refuse = |message: &str| Err(ReadError::new(&file, Place::File, message));
+    let refuse = |message: &str| Err(ReadError::new(&file, Location::File, message));
     let (head, input) = open(path, &file)?;
     // Of a file only its series count further on.
     let budget = watch.budget().temporary();
@@ -155,7 +155,7 @@ pub(crate) fn holds_description(path: &Path) -> Result<bool, ReadError> {
 /// Opens a file and returns its first bytes and the rewound file.
 fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
     let mut input = open_input(path, file)?;
-    let failed = |error| ReadError::io(file, Place::File, &error);
+    let failed = |error| ReadError::io(file, Location::File, &error);
     let mut head = Vec::new();
     (&mut input)
         .take(HEAD)
@@ -167,7 +167,7 @@ fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
 
 /// The content of a file.
 fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
-    let io = |error| ReadError::io(file, Place::File, &error);
+    let io = |error| ReadError::io(file, Location::File, &error);
     let length = input.file().and_then(|file| file.metadata());
     let length = length.map_err(io)?.len();
     if length > MAX_WHOLE {
@@ -175,7 +175,7 @@ fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
             "found more than {} GB, expected a smaller file",
             MAX_WHOLE >> 30
         );
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     input.take(length).read_to_end(&mut bytes).map_err(io)?;

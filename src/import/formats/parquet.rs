@@ -8,7 +8,7 @@ use parquet::data_type::{AsBytes, ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Location, ReadError, quoted, read_damaged};
 
 use super::{HAS_MORE_FORMATS, LEFT_OUT, over_budget, stem};
 use crate::input::Input;
@@ -36,7 +36,7 @@ struct ColumnBuilder {
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     read_damaged(|| read_table(input, file)).unwrap_or_else(|| {
         let message = "is damaged, expected Parquet";
-        Err(ReadError::new(file, Place::File, message))
+        Err(ReadError::new(file, Location::File, message))
     })
 }
 
@@ -67,9 +67,9 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
             ParquetError::External(error) if error.is::<OverBudget>() => error.to_string(),
             error => format!("is damaged, expected Parquet ({error})"),
         };
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     };
-    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: std::io::Error| ReadError::io(file, Location::File, &error);
     let over = |over| over_budget(file, over);
     let reader = SerializedFileReader::new(input.file().map_err(io)?).map_err(damaged)?;
     let mut notices = Vec::new();
@@ -81,7 +81,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         for column in &mut columns {
             let chunk = group.metadata().column(column.number);
             check_compressor(chunk.compression())
-                .map_err(|message| ReadError::new(file, Place::File, message))?;
+                .map_err(|message| ReadError::new(file, Location::File, message))?;
             // Pages are decompressed as a whole.
             let content = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
             input.budget().temporary().take(content).map_err(over)?;
@@ -91,7 +91,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
                 let name = quoted(&column.name);
                 let (found, expected) = (rows + read, rows + count);
                 let message = format!("column {name} ends after {found} rows, expected {expected}");
-                return Err(ReadError::new(file, Place::File, message));
+                return Err(ReadError::new(file, Location::File, message));
             }
             let bytes = chunk.compressed_size();
             input
@@ -102,7 +102,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     }
     if rows == 0 || columns.is_empty() {
         let message = "found a table without numbers, expected readings";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let mut series = Series {
         name: stem(file),

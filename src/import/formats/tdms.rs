@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{stem, whole};
 use crate::input::Input;
@@ -50,7 +50,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         active: Vec::new(),
         notices: Vec::new(),
     };
-    let fail = |message: String| ReadError::new(file, Place::File, message);
+    let fail = |message: String| ReadError::new(file, Location::File, message);
     match recording.segments(&bytes) {
         Ok(()) => {}
         Err(Fault::Damaged(_)) if recording.has_values() => {

@@ -1,6 +1,6 @@
 //! The archive of a workbook, and what its sheets become.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::archive::Archive;
 use super::fault::Fault;
@@ -27,7 +27,7 @@ pub(super) struct Workbook<'a> {
 
 impl Workbook<'_> {
     pub fn fail(&self, message: impl Into<String>) -> ReadError {
-        ReadError::new(self.file, Place::File, message.into())
+        ReadError::new(self.file, Location::File, message.into())
     }
 
     pub fn damaged(&self, part: &str) -> ReadError {

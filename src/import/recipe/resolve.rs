@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{Assignment, Quantity, Recipe};
 use crate::source::{Series, Source};
@@ -54,7 +54,7 @@ pub(crate) fn resolve<'a>(
         let fail = |key: &str, message: String| {
             ReadError::new(
                 recipe_file,
-                Place::Pointer(format!("/channels/{k}/{key}")),
+                Location::Pointer(format!("/channels/{k}/{key}")),
                 message,
             )
         };

@@ -5,7 +5,7 @@ use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::robot::{
     Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
-use tautline_session::{Loaded, Place, ReadError, VersionedFile};
+use tautline_session::{Loaded, Location, ReadError, VersionedFile};
 
 use super::dialect::ForeignRobot;
 use super::settings::Settings;
@@ -243,7 +243,7 @@ pub(super) fn robot_of(
         (1e4 * sd_m).round() / 10.0
     ));
     VersionedFile::check(&robot)
-        .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
+        .map_err(|error| ReadError::new(file, Location::Pointer(error.pointer), error.message))?;
     Ok(Loaded {
         value: robot,
         notices,

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::dialect::{Meaning, Parameter, Setting};
 
@@ -218,11 +218,11 @@ impl<'t> Settings<'t> {
 
     /// An error about the value of a key, or about the file if the key is absent.
     pub(super) fn error(&self, key: &str, message: impl Into<String>) -> ReadError {
-        let place = self.place(key).map_or(Place::File, |at| {
+        let place = self.place(key).map_or(Location::File, |at| {
             let before = &self.text[..at.start];
             let line = before.rsplit('\n').next().unwrap_or_default();
             let lines = before.matches('\n').count() as u64;
-            Place::Character(lines + 1, line.chars().count() as u64 + 1)
+            Location::Character(lines + 1, line.chars().count() as u64 + 1)
         });
         ReadError::new(self.file, place, message)
     }

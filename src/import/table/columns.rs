@@ -1,6 +1,6 @@
 //! Cells to columns.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::layout::Layout;
 use crate::source::{Filling, FillingTexts, Series};
@@ -96,7 +96,7 @@ impl Columns {
             let message = format!(
                 "found a decimal {this} and, in line {where_else}, a decimal {other}, expected one of the two"
             );
-            return Err(ReadError::new(&self.file, Place::Line(line), message));
+            return Err(ReadError::new(&self.file, Location::Line(line), message));
         }
         Ok(())
     }
@@ -111,7 +111,7 @@ impl Columns {
             if count > self.rows {
                 let message =
                     format!("found {found} cells, expected {width} as in most of the first rows");
-                return Err(ReadError::new(file, Place::Line(line), message));
+                return Err(ReadError::new(file, Location::Line(line), message));
             }
             notices.push(match (count, line == self.last_line) {
                 (1, true) => format!("{file}, line {line}: the last row ends after {found} of {width} cells: left out"),

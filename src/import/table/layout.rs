@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use tautline_session::{Place, ReadError};
+use tautline_session::{Location, ReadError};
 
 use crate::text::{Cells, Separator, is_gap, parse_number, parse_timestamp};
 use crate::units::{are_units, bare, split_heading};
@@ -136,7 +136,7 @@ impl Layout {
             "found {found} cells, expected {} as in most rows",
             self.headings.len()
         );
-        Err(ReadError::new(file, Place::Line(line), message))
+        Err(ReadError::new(file, Location::Line(line), message))
     }
 
     /// Sentences about lines that are not part of the table.

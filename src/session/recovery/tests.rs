@@ -425,7 +425,11 @@ fn a_long_run_writes_what_is_measured_and_not_its_square() {
         "the snapshot is as it was"
     );
     drop(writer);
-    let entry = |label| journal::Entry::of(&pose(label)).line().expect("a line");
+    let entry = |label| {
+        journal::JournalEntry::of(&pose(label))
+            .line()
+            .expect("a line")
+    };
     let poses: u64 = (5..1005).map(|label| entry(label).len() as u64).sum();
     assert_eq!(journal, poses, "each pose once");
     let written = begun + journal + edits;

@@ -11,7 +11,7 @@ mod wire;
 use std::collections::HashMap;
 use std::io;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use self::definitions::{Definitions, FieldType};
 use self::layout::Layout;
@@ -182,7 +182,7 @@ impl Recording {
                 (_, Some(notice)) => format!("found no topic with readings ({notice})"),
                 (None, None) => "found no messages, expected readings".to_owned(),
             };
-            return Err(ReadError::new(file, Place::File, message));
+            return Err(ReadError::new(file, Location::File, message));
         }
         if let Some(end) = end {
             notices.push(format!("{end}; it is read as far as possible"));
