@@ -13,7 +13,7 @@ use tautline_workflow::identification::{
 use crate::boundary::{
     DatasetTexts, detached, error, json, parsed_dataset, parsed_robot, settings,
 };
-use crate::table::{Column, columns, numbers};
+use crate::table::{NamedColumn, columns, numbers};
 
 /// What is identified, and how.
 #[derive(FromPyObject)]
@@ -32,8 +32,8 @@ pub struct FitOptions {
 /// Tables of readings and of values, names of the estimated parameters with their covariance, row by row, and the covariances
 /// of the entry points, cables by 3 by 3.
 type FitTables<'py> = (
-    Vec<Column<'py>>,
-    Vec<Column<'py>>,
+    Vec<NamedColumn<'py>>,
+    Vec<NamedColumn<'py>>,
     (Vec<String>, Bound<'py, PyAny>),
     Bound<'py, PyAny>,
 );

@@ -70,13 +70,13 @@ pub fn run_study(
 }
 
 /// Name, type in the words of NumPy and bytes of a column.
-type Column<'py> = (&'static str, &'static str, Bound<'py, PyBytes>);
+type NumpyColumn<'py> = (&'static str, &'static str, Bound<'py, PyBytes>);
 
 /// The calibrations of the chunks that are there.
 #[pyfunction]
-pub fn study_calibrations(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<Column<'_>>> {
+pub fn study_calibrations(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<NumpyColumn<'_>>> {
     let rows = detached(py, |_| calibrations(&folder).map_err(|e| e.to_string()))?;
-    let column = |(name, cells): (&'static str, ParquetCells<'_>)| -> Column<'_> {
+    let column = |(name, cells): (&'static str, ParquetCells<'_>)| -> NumpyColumn<'_> {
         let (kind, bytes) = match cells {
             ParquetCells::F64(all) => (
                 "<f8",

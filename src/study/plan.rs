@@ -14,7 +14,7 @@ use tautline_session::{
 use tautline_workflow::machines;
 
 use crate::cell::{Cell, options, robot_of};
-use crate::chunk::Part;
+use crate::chunk::ChunkNumber;
 use crate::design::{Combination, combinations};
 use crate::file::{Choice, StudyFile, check_faults};
 use crate::scaling::size_m;
@@ -186,11 +186,11 @@ impl StudyPlan {
     ///
     /// # Errors
     /// If the text is malformed.
-    pub fn parts(&self, chunk: Option<&str>) -> Result<Vec<Part>, String> {
+    pub fn parts(&self, chunk: Option<&str>) -> Result<Vec<ChunkNumber>, String> {
         let of = self.chunks();
         match chunk {
-            Some(text) => Ok(vec![Part::parse(text)?]),
-            None => Ok((1..=of).map(|number| Part { number, of }).collect()),
+            Some(text) => Ok(vec![ChunkNumber::parse(text)?]),
+            None => Ok((1..=of).map(|number| ChunkNumber { number, of }).collect()),
         }
     }
 

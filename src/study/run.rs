@@ -9,7 +9,7 @@ use tautline_core::estimation::Control;
 
 use crate::calibration::Simulator;
 use crate::cell::Cell;
-use crate::chunk::{Origin, Part, Rows, read_chunk, write_chunk};
+use crate::chunk::{ChunkNumber, Origin, Rows, read_chunk, write_chunk};
 use crate::plan::{PLAN, StudyPlan};
 use crate::{StudyError, VERSION, create_folder};
 
@@ -46,7 +46,7 @@ pub struct Summary {
 pub fn run(
     plan: &StudyPlan,
     folder: &Path,
-    parts: &[Part],
+    parts: &[ChunkNumber],
     threads: usize,
     observer: &mut dyn FnMut(u64) -> Control,
 ) -> Result<Summary, StudyError> {
@@ -68,7 +68,7 @@ pub fn run(
 fn work(
     plan: &StudyPlan,
     folder: &Path,
-    parts: &[Part],
+    parts: &[ChunkNumber],
     threads: usize,
     shared: &Shared,
 ) -> Result<Summary, StudyError> {
@@ -127,7 +127,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 fn chunk(
     (plan, fingerprint): (&StudyPlan, &str),
     folder: &Path,
-    part: Part,
+    part: ChunkNumber,
     shared: &Shared,
 ) -> Result<bool, StudyError> {
     let path = folder.join(part.file_name());
@@ -182,7 +182,7 @@ fn calibrate(
 pub(crate) fn belongs(
     origin: &Origin,
     (plan, fingerprint): (&StudyPlan, &str),
-    part: Part,
+    part: ChunkNumber,
 ) -> Result<(), String> {
     let expect = |what: &str, found: &str, expected: &str| match found == expected {
         true => Ok(()),
@@ -197,7 +197,7 @@ pub(crate) fn belongs(
         &origin.seed.to_string(),
         &plan.study.seed.to_string(),
     )?;
-    let name = |part: Part| format!("{} of {}", part.number, part.of);
+    let name = |part: ChunkNumber| format!("{} of {}", part.number, part.of);
     expect("number", &name(origin.part), &name(part))?;
     let range = |[from, to]: [u64; 2]| format!("{from} to {to}");
     expect(

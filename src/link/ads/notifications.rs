@@ -25,7 +25,7 @@ fn units(every_s: f64) -> u32 {
 }
 
 /// Values that belong together, by subscription.
-pub(super) type Row = BTreeMap<u32, Vec<u8>>;
+pub(super) type NotifiedValues = BTreeMap<u32, Vec<u8>>;
 
 /// Collects values that belong together. They may arrive in several frames and, as subscriptions begin in different cycles of
 /// the controller, with stamps that differ by less than the interval of the subscriptions.
@@ -48,7 +48,7 @@ impl Rows {
 
     /// Adds a frame and returns the rows that have a value for each of `subscriptions` subscriptions. Inconsistent
     /// frames and rows with gaps are dropped.
-    pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<Row> {
+    pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<NotifiedValues> {
         let mut full = Vec::new();
         for (stamp, samples) in parse(frame).unwrap_or_default() {
             for (handle, bytes) in samples {
@@ -127,7 +127,7 @@ mod tests {
         [&(rest.len() as u32).to_le_bytes()[..], &rest].concat()
     }
 
-    fn row(values: [&[u8]; 2]) -> Row {
+    fn row(values: [&[u8]; 2]) -> NotifiedValues {
         (1..).zip(values.map(<[u8]>::to_vec)).collect()
     }
 
@@ -143,7 +143,7 @@ mod tests {
             frame(&[(10, &[(2, &b)]), (20, &[(2, &d)])]),
             frame(&[(20, &[(1, &c)])]),
         ];
-        let taken: Vec<Row> = parts.iter().flat_map(|part| rows.take(part, 2)).collect();
+        let taken: Vec<NotifiedValues> = parts.iter().flat_map(|part| rows.take(part, 2)).collect();
         assert_eq!(taken, expected);
     }
 

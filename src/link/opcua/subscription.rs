@@ -27,14 +27,14 @@ const QUEUE: u32 = 32;
 const TICKS_PER_S: f64 = 1e7;
 
 /// The last value of every node with its status, in the order of the nodes.
-pub(super) type Row = Vec<DataValue>;
+pub(super) type NodeValues = Vec<DataValue>;
 
 /// A subscription of a session.
 pub(super) struct Subscription {
     id: u32,
     /// Half of a sampling interval in ticks of time stamps.
     same_instant: i64,
-    latest: Row,
+    latest: NodeValues,
     /// Time stamp of the row that later messages may complete.
     begun: Option<i64>,
 }
@@ -53,7 +53,7 @@ impl Subscription {
     }
 
     /// Applies changed values in the order of their time stamps; returns the rows of the instants before the last one.
-    fn rows(&mut self, mut changes: Vec<Change>) -> Vec<Row> {
+    fn rows(&mut self, mut changes: Vec<Change>) -> Vec<NodeValues> {
         changes.sort_by_key(|(now, ..)| *now);
         let mut rows = Vec::new();
         for (now, node, value) in changes {
@@ -73,7 +73,7 @@ impl Subscription {
     }
 
     /// The last values, if every node has one.
-    fn row(&self) -> Option<Row> {
+    fn row(&self) -> Option<NodeValues> {
         let is_known = |value: &DataValue| value.value.is_some() || value.status.is_some();
         self.latest
             .iter()
@@ -200,7 +200,10 @@ impl OpcUaClient {
     }
 
     /// The rows sent since the last call, the oldest first. Does not wait. A rejection ends the subscription, not the session.
-    pub fn sent(&mut self, subscription: &mut Subscription) -> Result<Vec<Row>, RequestError> {
+    pub fn sent(
+        &mut self,
+        subscription: &mut Subscription,
+    ) -> Result<Vec<NodeValues>, RequestError> {
         let mut changes = Vec::new();
         for answer in self.told()? {
             let answer = match answer {
@@ -252,7 +255,7 @@ mod tests {
         (10_000 * ms, node, value)
     }
 
-    fn numbers(rows: &[Row]) -> Vec<Vec<f64>> {
+    fn numbers(rows: &[NodeValues]) -> Vec<Vec<f64>> {
         let number = |value: &DataValue| match value.value {
             Some(Variant::Double(number)) => number,
             _ => f64::NAN,

@@ -20,7 +20,7 @@ use tautline_link::{Activity, Controller, GuardedController, Limits, ManualClock
 
 use super::host::{Host, Orders, Written};
 use super::server::{Protocol, Server};
-use super::symbols::{Place, Style, TURNS, declarations, global, mapping, places};
+use super::symbols::{ParameterElement, Style, TURNS, declarations, global, mapping, places};
 use super::unruly::Unruly;
 
 /// Simulated time of a sample (s).
@@ -264,7 +264,7 @@ struct Program {
     step_s: f64,
     style: Style,
     orders: Orders,
-    places: Vec<Place>,
+    places: Vec<ParameterElement>,
     written: BTreeMap<String, Vec<f64>>,
     acknowledged: f64,
     fault: Option<String>,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use tautline_link::{Controller, LinkError, Sample};
 use tautline_validation::support::ads::Plant;
 use tautline_validation::support::ads::symbols::global;
-use tautline_validation::support::ads::unruly::{Action, Kind, Unruly};
+use tautline_validation::support::ads::unruly::{Action, RequestKind, Unruly};
 
 use super::client;
 
@@ -68,7 +68,9 @@ fn answers_are_found_among_what_is_sent() {
         client.sample().expect("a reading");
     }
     assert!(!sent(&mut client, 1).is_empty());
-    plant.server.fault(Kind::Read, 1, Action::Notifications);
+    plant
+        .server
+        .fault(RequestKind::Read, 1, Action::Notifications);
     client.sample().expect("a reading");
     sent(&mut client, 10);
 }
@@ -77,7 +79,9 @@ fn answers_are_found_among_what_is_sent() {
 fn a_controller_that_sends_nothing_is_only_read() {
     let plant = running();
     let mut client = client(&plant);
-    plant.server.fault(Kind::Lookup, 3, Action::Code(0x701));
+    plant
+        .server
+        .fault(RequestKind::Lookup, 3, Action::Code(0x701));
     let refused = client.subscribe(CYCLE_S);
     assert!(matches!(refused, Err(LinkError::Refused(_))), "{refused:?}");
     // Those that it had taken were ended.
