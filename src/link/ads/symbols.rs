@@ -7,13 +7,13 @@ const LARGEST: usize = 1 << 20;
 
 /// The address of data in the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct AdsAddress {
+pub(super) struct SymbolAddress {
     pub group: u32,
     pub offset: u32,
     pub size: usize,
 }
 
-impl AdsAddress {
+impl SymbolAddress {
     /// The version of the symbols, which changes with the program, so that addresses are never used in another program.
     pub const VERSION: Self = Self {
         group: 0xF008,
@@ -163,8 +163,8 @@ impl Symbol {
     }
 
     /// Address of all its data.
-    pub fn place(&self) -> AdsAddress {
-        AdsAddress {
+    pub fn place(&self) -> SymbolAddress {
+        SymbolAddress {
             group: self.group,
             offset: self.offset,
             size: self.size,
@@ -172,10 +172,10 @@ impl Symbol {
     }
 
     /// Address of an element.
-    pub fn element_place(&self, element: usize) -> Option<AdsAddress> {
+    pub fn element_place(&self, element: usize) -> Option<SymbolAddress> {
         let size = self.kind.size();
         let offset = u32::try_from(element.checked_mul(size)?).ok()?;
-        (element < self.count()).then_some(AdsAddress {
+        (element < self.count()).then_some(SymbolAddress {
             group: self.group,
             offset: self.offset.checked_add(offset)?,
             size,

@@ -66,11 +66,8 @@ impl<R: BufRead> Lines<R> {
         read.map_err(|error| ReadError::io(&self.file, Location::Line(self.line), &error))?;
         if self.record.len() > MAX_RECORD {
             let message = "found a line of more than 1 MB, expected a CSV table";
-            return Err(ReadError::new(
-                &self.file,
-                Location::Line(self.line),
-                message,
-            ));
+            let place = Location::Line(self.line);
+            return Err(ReadError::new(&self.file, place, message));
         }
         if self.line == 1 {
             self.skip_byte_order_mark()?;
