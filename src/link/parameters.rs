@@ -156,7 +156,7 @@ impl<'a> EffectName<'a> {
         })
     }
 
-    /// Whether it is a parameter of this effect on these targets.
+    /// Whether the name is that of a parameter of this effect on its targets.
     #[must_use]
     pub fn is_of(&self, setting: &EffectSetting) -> bool {
         self.effect == setting.effect && self.targets == setting.targets.join("+")

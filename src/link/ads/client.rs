@@ -52,11 +52,11 @@ pub(super) struct AdsClient {
     timeout_s: f64,
     /// The present request, for the message if it is not answered.
     request: String,
-    /// Whether the controller accepts several parts in one request.
+    /// Whether the controller accepts sum commands, i.e. several parts in one request.
     sums: bool,
     /// Handles of the subscriptions.
     handles: Vec<u32>,
-    /// While there are any.
+    /// Collector of notifications; `None` without subscriptions.
     rows: Option<Rows>,
 }
 
@@ -175,7 +175,7 @@ impl AdsClient {
             .ok_or_else(|| broken("the description of a symbol is incomplete"))
     }
 
-    /// Reads places; returns the bytes of each, or the reason of its rejection.
+    /// Reads symbols; returns the bytes of each, or the code of its rejection.
     pub fn read(&mut self, places: &[SymbolAddress]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let mut all = Vec::with_capacity(places.len());
         for part in batches(places, |place| place.size) {
@@ -219,7 +219,7 @@ impl AdsClient {
         places.iter().map(&mut read).collect()
     }
 
-    /// Subscribes to places, sent every `every_s` seconds; all of them or, after a rejection, none. Returns the
+    /// Subscribes to symbols, sent every `every_s` seconds; all of them or, after a rejection, none. Returns the
     /// handle of each.
     pub fn subscribe(&mut self, places: &[SymbolAddress], every_s: f64) -> Answer<Vec<u32>> {
         self.unsubscribe()?;
@@ -253,7 +253,7 @@ impl AdsClient {
         Ok(())
     }
 
-    /// The received values of all subscribed places, by cycle, the oldest first.
+    /// The received values of all subscribed symbols, by cycle, the oldest first.
     pub fn notified(&mut self) -> Answer<Vec<NotifiedValues>> {
         let frames = self.wire.take_notifications();
         "for the rest of a notification".clone_into(&mut self.request);
@@ -266,7 +266,7 @@ impl AdsClient {
         Ok(rows.collect())
     }
 
-    /// Writes places in order and stops after the batch of the first rejected one, whose index is returned.
+    /// Writes symbols in order and stops after the batch of the first rejected one, whose index is returned.
     pub fn write(&mut self, values: &[(SymbolAddress, Vec<u8>)]) -> WriteAnswer {
         let mut done = 0;
         for part in batches(values, |(place, _)| place.size) {
@@ -290,7 +290,7 @@ impl AdsClient {
         Ok(())
     }
 
-    /// Whether the controller accepts several parts in one request, found out by a read.
+    /// Whether the controller accepts sum commands, tested by reading the version of the symbols.
     fn knows_sums(&mut self) -> bool {
         self.read_together(&[SymbolAddress::VERSION]).is_ok()
     }

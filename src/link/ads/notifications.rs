@@ -11,7 +11,7 @@ const EVERY_CYCLE: u32 = 3;
 /// Length of the reserved part of a subscription (bytes).
 const RESERVED: usize = 16;
 
-/// The end of a subscription request, after the place: transmission mode and interval.
+/// The end of a subscription request, after the address: transmission mode and interval.
 pub(super) fn cycle(every_s: f64) -> Vec<u8> {
     // No delay beyond the cycle, so that values are shown at once.
     let words = [EVERY_CYCLE, 0, units(every_s)].map(u32::to_le_bytes);
@@ -24,16 +24,16 @@ fn units(every_s: f64) -> u32 {
     (every_s * UNITS_PER_S).round() as u32
 }
 
-/// Values that belong together, by subscription.
+/// Values of one instant, by subscription.
 pub(super) type NotifiedValues = BTreeMap<u32, Vec<u8>>;
 
-/// Collects values that belong together. They may arrive in several frames and, as subscriptions begin in different cycles of
+/// Collects the values of one instant. They may arrive in several frames and, as subscriptions begin in different cycles of
 /// the controller, with stamps that differ by less than the interval of the subscriptions.
 #[derive(Debug)]
 pub(super) struct Rows {
     /// Interval of the subscriptions, in units of the stamps.
     every: u64,
-    /// What arrived since the last row, with its stamp.
+    /// Values received since the last row, with their stamps.
     latest: BTreeMap<u32, (u64, Vec<u8>)>,
 }
 
@@ -54,7 +54,7 @@ impl Rows {
             for (handle, bytes) in samples {
                 self.latest.insert(handle, (stamp, bytes.to_vec()));
             }
-            // What is an interval old has its own successor on the way.
+            // A value older than an interval is replaced by its successor.
             self.latest
                 .retain(|_, (at, _)| stamp.abs_diff(*at) < self.every);
             if self.latest.len() == subscriptions {

@@ -5,7 +5,7 @@ use crate::symbols::{Content, Expected, RequiredSymbol, ValueKind};
 /// Largest symbol (bytes), so that an invalid response cannot fill the memory.
 const LARGEST: usize = 1 << 20;
 
-/// The address of data in the controller.
+/// Address of a symbol's data in the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SymbolAddress {
     pub group: u32,

@@ -236,7 +236,7 @@ impl SimulatedRobot {
             .at_revolutions(at, &self.rested, (revolutions, pose))
     }
 
-    /// Starts the motion from the present place to a rest state.
+    /// Starts the motion from the present pose to a rest state.
     fn start(&mut self, (start_s, duration_s): (f64, f64), rest: &RestState, label: i64) {
         let from = self.shared.motion().at(start_s);
         let way = rest.pose.difference(&from.pose);

@@ -24,7 +24,7 @@ pub(super) struct PathPoint {
 }
 
 impl PathPoint {
-    /// Interpolates towards another place; extrapolates for fractions above 1.
+    /// Interpolates towards another point; extrapolates for fractions above 1.
     fn toward(&self, other: &Self, part: f64) -> Self {
         let mix = |(from, to): (&f64, &f64)| from + part * (to - from);
         Self {
@@ -41,9 +41,9 @@ impl PathPoint {
 pub(super) struct Motion {
     pub start_s: f64,
     pub duration_s: f64,
-    /// Places at equal fractions of the path, at least one, connected linearly.
+    /// Points at equal fractions of the path, at least one, connected linearly.
     pub places: Vec<PathPoint>,
-    /// The last place some time (s) after arrival, for drifting readings.
+    /// The last point some time (s) after arrival, for drifting readings.
     pub later: Option<(f64, PathPoint)>,
     /// Amplitude of the oscillation, as a fraction of the path.
     swing: f64,
@@ -85,7 +85,7 @@ impl Motion {
         }
     }
 
-    /// A motion along places; `docks` if the platform is held at the end and cannot oscillate.
+    /// A motion along points; `docks` if the platform is held at the end and cannot oscillate.
     pub fn along(places: Vec<PathPoint>, (start_s, duration_s): (f64, f64), docks: bool) -> Self {
         let ends = places.first().zip(places.last());
         let way = ends.map_or(0.0, |(a, b)| (b.pose.position - a.pose.position).norm());
@@ -104,7 +104,7 @@ impl Motion {
         now_s < self.start_s + self.duration_s
     }
 
-    /// Place of the platform and its readings.
+    /// Pose and exact readings at a time.
     pub fn at(&self, now_s: f64) -> PathPoint {
         let since = now_s - self.start_s;
         let rested = since - self.duration_s;
