@@ -17,7 +17,7 @@ pub struct ReadError {
     pub file: String,
     /// Location in the file.
     pub place: Location,
-    /// What was found and what was expected.
+    /// Message: what was found, and what was expected.
     pub message: String,
 }
 
@@ -101,7 +101,7 @@ pub enum WriteError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What cannot be written.
+        /// Reason why the content cannot be written.
         message: String,
     },
 }
@@ -126,7 +126,7 @@ pub(crate) fn fail<T>(
     })
 }
 
-/// Converts an error in a part to an error in the whole that contains the part at `parent`.
+/// Moves the pointer of an error below `parent`, the pointer to the part in which it occurred.
 pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
     FieldError {
         pointer: format!("{parent}{}", error.pointer),

@@ -69,12 +69,12 @@ pub(crate) fn add_hypotheses_beside(robot: &mut Robot, folder: &Path) -> Result<
 }
 
 /// The hypotheses in a folder, such as that of the user, see [`Folders::effects`](crate::Folders::effects). A file that
-/// cannot be used is left out: it belongs to no dataset, so nothing has to wait until it is corrected.
+/// cannot be used is left out with a notice: no dataset depends on it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HypothesisFolder {
     /// The hypotheses with their files, in the order of the names.
     pub hypotheses: Vec<(PathBuf, Hypothesis)>,
-    /// What was left out, one sentence each.
+    /// Notices about files that were left out, one sentence each.
     pub notices: Vec<String>,
 }
 
@@ -115,8 +115,8 @@ impl HypothesisFolder {
         }
     }
 
-    /// Makes the hypotheses known to a robot and returns notices. What the robot carries, or what is beside its dataset, counts
-    /// more than a file here with the same identifier.
+    /// Makes the hypotheses known to a robot and returns notices. A hypothesis of the robot or its dataset takes precedence over
+    /// a file here with the same identifier.
     pub fn add_to(&self, robot: &mut Robot) -> Vec<String> {
         let mut notices = Vec::new();
         for (path, hypothesis) in &self.hypotheses {
@@ -227,7 +227,7 @@ mod tests {
             twice.contains("c.toml: found the hypothesis \"my_cable_slip\" as in "),
             "{twice}"
         );
-        // What the robot carries counts more.
+        // The hypothesis of the robot takes precedence.
         let mut robot = robot();
         let own = text("winch_scale").replace("0.03]", "0.04]");
         let own = parse_hypothesis(own.as_bytes(), "own.toml").expect("one");

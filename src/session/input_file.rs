@@ -32,7 +32,7 @@ pub fn open_input(path: &Path, file: &str) -> Result<File, ReadError> {
 /// Files that this program has opened with [`open_input`].
 static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Whether a file was opened with [`open_input`], under whatever name, so that no output replaces it.
+/// Whether a file was opened with [`open_input`] under any of its names: no output must replace it.
 #[must_use]
 pub fn was_read(path: &Path) -> bool {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);

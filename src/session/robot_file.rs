@@ -17,7 +17,7 @@ impl VersionedFile for Robot {
     const KEYS_ARE_CHECKED: bool = true;
 
     fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
-        // It is about the readings, not about the robot: see `read_measured_at`.
+        // It belongs to the readings, not to the robot: see `read_measured_at`.
         document.remove(MEASURED_AT);
         resolve_in_robot(document)
     }
@@ -48,7 +48,7 @@ impl VersionedFile for Robot {
 /// Key of the time when the poses of a dataset were read.
 const MEASURED_AT: &str = "measured_at";
 
-/// When the poses beside a `robot.json` were read, if it says so.
+/// Time at which the poses of a dataset were read, if its `robot.json` states it.
 ///
 /// # Errors
 /// If the file cannot be read or the time is none.

@@ -34,7 +34,7 @@ pub struct DatasetFolder {
     pub lines: PoseLines,
     /// The optional tables; empty if the file is absent.
     pub phases: PhaseData,
-    /// When the poses were read, if `robot.json` says so.
+    /// Time at which the poses were read, if `robot.json` states it.
     pub measured_at: Option<Timestamp>,
     /// Notices for the operator, one sentence each.
     pub notices: Vec<String>,

@@ -101,8 +101,8 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
     }
 }
 
-/// Whether a file or folder is of a format of Tautline, valid or not, rather than of another program; [`import`] then reports
-/// what is wrong with it.
+/// Whether a file or folder is of a format of Tautline, valid or not, rather than of another program. If it is not valid,
+/// [`import`] reports the error.
 ///
 /// # Errors
 /// If it cannot be read.

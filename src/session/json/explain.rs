@@ -29,7 +29,7 @@ pub(super) fn deserialize<T: VersionedFile>(
     let result: Result<T, _> = {
         let tracked = serde_path_to_error::Deserializer::new(&document, &mut track);
         let noted = serde_ignored::Deserializer::new(tracked, &mut note);
-        // Otherwise each type would be compiled anew for each place of a file that it stands in.
+        // Otherwise each type would be compiled anew for each place in a file at which it occurs.
         erased_serde::deserialize(&mut <dyn erased_serde::Deserializer<'_>>::erase(noted))
     };
     match result {

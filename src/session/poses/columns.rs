@@ -26,7 +26,7 @@ pub(crate) struct Fault {
     pub row: Option<usize>,
     /// Name of the column.
     pub column: String,
-    /// What was found and what was expected.
+    /// Message: what was found, and what was expected.
     pub message: String,
     /// The earlier row that it contradicts.
     pub earlier_row: Option<usize>,
@@ -69,7 +69,7 @@ impl Columns {
         Some(self.numbers.swap_remove(place).1)
     }
 
-    /// Whether any column of a group is present.
+    /// Whether at least one column of a group is present.
     pub fn has(&self, group: Group) -> bool {
         (0..group.names().len()).any(|k| self.get(PoseColumn::Component(group, k)).is_some())
     }

@@ -48,7 +48,7 @@ pub(super) struct Journal {
     pub entries: Vec<JournalEntry>,
     /// Numbers of damaged lines, from 1, except the last line.
     pub damaged: Vec<usize>,
-    /// Whether the last line was written incompletely.
+    /// Whether the last line is incomplete.
     pub is_torn: bool,
 }
 

@@ -59,7 +59,7 @@ pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
                     known + 1
                 ));
             }
-            // The snapshot already contains it, or the line was torn and the result was written again after it.
+            // The snapshot already contains the result, or the line is incomplete and the result was written again after it.
             _ => {}
         }
     }

@@ -42,7 +42,7 @@ pub struct RecoveredSession {
     pub session: Session,
     /// The file it was opened from or saved to, if any, whose content is older.
     pub origin: Option<PathBuf>,
-    /// Whether everything was recovered. Otherwise the snapshot was damaged: the session is that of its file plus the poses
+    /// Whether everything was recovered. Otherwise the snapshot was damaged: the session consists of its file and the poses
     /// measured since, without later edits.
     pub is_whole: bool,
 }
@@ -94,7 +94,8 @@ fn locked(path: PathBuf) -> Result<Option<Lock>, ReadError> {
     }
 }
 
-/// Whether the program ended before it wrote the snapshot, or removed its files between listing and locking.
+/// Whether snapshot and journal are missing or empty: the program ended before it wrote them, or removed its files between
+/// listing and locking.
 fn holds_nothing(own: &Path) -> bool {
     let size = |name: &str| match fs::metadata(own.join(name)) {
         Err(error) if error.kind() == ErrorKind::NotFound => Some(0),
@@ -320,7 +321,7 @@ fn replay(session: &mut Session, journal: Journal, file: &str) -> Vec<String> {
     notices
 }
 
-/// Whether the session has the pose with the same readings; `None` if it does not have the pose.
+/// Whether the session's pose with this label has the same readings; `None` if there is no such pose.
 fn known_row(session: &Session, entry: &JournalEntry) -> Option<bool> {
     let label = entry.table.labels().first()?;
     let m = &session.measurements;

@@ -102,7 +102,7 @@ impl Catalogue {
     /// The sensor with an identifier.
     ///
     /// # Errors
-    /// What was found and which identifiers exist, in words.
+    /// A sentence with the identifier that was found, and those that exist.
     pub fn find(&self, id: &str) -> Result<&Sensor, String> {
         let found = self.entries.iter().find(|entry| entry.id == id);
         found.map(|entry| &entry.sensor).ok_or_else(|| {

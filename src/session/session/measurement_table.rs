@@ -151,7 +151,7 @@ impl MeasurementTable {
 }
 
 impl From<Fault> for FieldError {
-    /// The place of the fault in a [`MeasurementTable`].
+    /// The fault with a pointer into a [`MeasurementTable`].
     fn from(fault: Fault) -> Self {
         let message = match fault.earlier_row {
             Some(row) => format!("{} (value {row})", fault.message),

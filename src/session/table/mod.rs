@@ -1,4 +1,4 @@
-//! CSV tables: columns by name, cells with their place in the file.
+//! CSV tables: columns by name, cells with their location in the file.
 
 mod formula;
 mod lines;
