@@ -15,7 +15,7 @@ use crate::boundary::{
 };
 use crate::table::{NamedColumn, columns, numbers};
 
-/// What is identified, and how.
+/// Options of an identification.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct FitOptions {
@@ -39,7 +39,7 @@ type FitTables<'py> = (
 );
 
 impl FitOptions {
-    /// How tensions enter, by its name in the commands.
+    /// Method of identification by its name in the commands.
     fn method(&self) -> PyResult<Method> {
         match self.method.as_str() {
             "joint" => Ok(Method::Joint),
@@ -110,7 +110,7 @@ impl FitOptions {
     }
 }
 
-/// The identification of a dataset; only one that lists the readings has a table of them.
+/// The identification of a dataset; with a table of its readings only if they are listed.
 pub fn solved(
     py: Python<'_>,
     dataset: &DatasetTexts,

@@ -1,4 +1,4 @@
-//! A chunk: the calibrations of a part of a study as columns of one file, with their origin.
+//! A chunk: the calibrations of one part of a study as columns of a file, with their origin.
 //!
 //! The file is Parquet, `pandas.read_parquet("chunk-3-of-7.parquet")`: one row for each calibration.
 
@@ -17,12 +17,12 @@ use crate::calibration::{Calibration, Outcome};
 use crate::plan::StudyPlan;
 use crate::{StudyError, VERSION};
 
-/// Part `number` of `of` of a study, counted from 1.
+/// Number of a chunk, from 1, and number of chunks into which the study is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChunkNumber {
-    /// Number of the part, from 1.
+    /// Number of the chunk, from 1.
     pub number: u64,
-    /// Number of parts.
+    /// Number of chunks.
     pub of: u64,
 }
 
@@ -45,7 +45,7 @@ impl ChunkNumber {
             })
     }
 
-    /// Its half-open range among `all` calibrations; the sizes of parts differ by at most one.
+    /// Half-open range of its calibrations among `all`; the sizes of chunks differ by at most one.
     #[must_use]
     pub fn range(self, all: u64) -> [u64; 2] {
         let before =
@@ -70,7 +70,7 @@ pub struct Origin {
     pub version: String,
     /// Seed of the study.
     pub seed: u64,
-    /// Part of the study.
+    /// Number of the chunk.
     pub part: ChunkNumber,
     /// Half-open range of its calibrations.
     pub range: [u64; 2],
@@ -79,7 +79,7 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// The origin of a part of a plan with this fingerprint, computed by this version of the program.
+    /// The origin of a chunk of a plan with this fingerprint, computed by this version of the program.
     #[must_use]
     pub fn of((plan, fingerprint): (&StudyPlan, &str), part: ChunkNumber, rows: &Rows) -> Self {
         Self {

@@ -182,7 +182,7 @@ impl StudyPlan {
         self.calibrations().div_ceil(self.study.simulation.chunk)
     }
 
-    /// The parts to run: the one named by `chunk`, such as `3/7`, or all of the default division.
+    /// The chunks to run: the one named by `chunk`, such as `3/7`, or all of the default division.
     ///
     /// # Errors
     /// If the text is malformed.

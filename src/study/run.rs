@@ -37,7 +37,7 @@ pub struct Summary {
     pub found: u64,
 }
 
-/// Runs parts of a study on several threads. The observer is called on the calling thread with the number of
+/// Runs chunks of a study on several threads. The observer is called on the calling thread with the number of
 /// finished calibrations; unfinished chunks are lost when it cancels.
 ///
 /// # Errors
@@ -123,7 +123,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Runs one part; returns whether there was anything to do.
+/// Runs one chunk, unless it exists; returns whether it was computed.
 fn chunk(
     (plan, fingerprint): (&StudyPlan, &str),
     folder: &Path,
@@ -178,7 +178,7 @@ fn calibrate(
     Ok(())
 }
 
-/// Checks that a chunk is this part of this study, by this version of the program.
+/// Checks that a chunk has this number in this study, and was computed by this version of the program.
 pub(crate) fn belongs(
     origin: &Origin,
     (plan, fingerprint): (&StudyPlan, &str),
