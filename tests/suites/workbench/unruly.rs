@@ -1,4 +1,4 @@
-//! The window beside a controller that misbehaves: it tells the same sentences as the commands, and is as careful.
+//! The window with a controller that misbehaves: it has the same messages as the commands, and the same precautions.
 
 use std::time::Instant;
 
@@ -173,7 +173,7 @@ fn an_overload_waits_for_the_operator_each_time() {
         paused(state).is_some_and(|why| why.contains(overload))
     });
     assert!(measured(bench.state()) < 3);
-    // The operator goes on; what gets worse stops it again.
+    // The operator continues; a larger overload stops the run again.
     bench.give(LinkRequest::Resume);
     bench.wait("going on", |state| paused(state).is_none());
     plant.show_force(Some((2, 600.0)));

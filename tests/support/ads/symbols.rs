@@ -64,7 +64,7 @@ pub fn mapping(robot: &Robot, style: Style) -> SymbolMapping {
     mapping
 }
 
-/// Where the parameters of the robot are held, in the order of [`parameters_of`].
+/// Symbols of the parameters of the robot, in the order of [`parameters_of`].
 #[must_use]
 pub fn places(robot: &Robot, style: Style) -> Vec<ParameterElement> {
     let place = |name: &String| {

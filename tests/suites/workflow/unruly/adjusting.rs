@@ -193,7 +193,7 @@ fn nothing_is_written_once_the_release_is_gone() {
         "{}",
         answer.stderr
     );
-    // The request that was under way, and none after it.
+    // The request in progress, and none after it.
     assert!(plant.server.values() <= 16, "{}", plant.server.values());
     assert!(matches!(last_outcome(&file), Outcome::Unsettled(_)));
     assert_eq!(
@@ -253,7 +253,7 @@ fn short_answers_never_become_values() {
         let file = measured(&folder, "s.json");
         let controller = controller(&plant);
         let adjust = armed(&file, &controller);
-        // What is read there would be the values to roll back to.
+        // These readings would be the values for rolling back.
         plant
             .server
             .fault(RequestKind::Read, number, Action::Short(64));

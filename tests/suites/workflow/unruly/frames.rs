@@ -1,4 +1,4 @@
-//! Answers that are no answers: a client believes no length, waits no longer than it may, and never panics.
+//! Invalid answers: a client trusts no length, waits no longer than its timeout, and never panics.
 
 use std::time::{Duration, Instant};
 

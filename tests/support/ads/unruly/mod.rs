@@ -80,12 +80,12 @@ struct State {
     open: Vec<TcpStream>,
     /// Connections so far.
     connections: u64,
-    /// By their handles.
+    /// Subscriptions by their handles.
     subscriptions: BTreeMap<u32, Subscription>,
     last_subscription: u32,
     /// Values that were sent in notifications so far.
     notified: usize,
-    /// The symbol that shows the time, and when it was zero.
+    /// The symbol that shows the time, and the instant at which it was zero.
     clock: Option<(String, Instant)>,
     /// Called before each value of a parameter is written, with the number of values before.
     before_value: Option<BeforeValue>,
@@ -232,7 +232,7 @@ impl Unruly {
         lock(&self.state).clock = Some((name.to_owned(), zero));
     }
 
-    /// How often the values of all present subscriptions were sent so far.
+    /// Number of cycles in which the values of all present subscriptions were sent so far.
     #[must_use]
     pub fn cycles_sent(&self) -> f64 {
         let state = lock(&self.state);
@@ -326,7 +326,7 @@ fn serve(socket: TcpStream, state: &Arc<Mutex<State>>, tell: &Sender<Written>) {
     });
 }
 
-/// Sends what is due until a request arrives.
+/// Sends due notifications until a request arrives.
 fn wait(socket: &mut TcpStream, state: &Mutex<State>, connection: u64) -> Option<()> {
     loop {
         let mut known = lock(state);
@@ -429,7 +429,7 @@ fn treat(
         _ => usize::MAX,
     };
     let content = match action {
-        // What is refused is not done.
+        // A refused request is not carried out.
         Some(Action::Code(_)) => Vec::new(),
         _ => answer(&mut known, &request, limit, tell),
     };
