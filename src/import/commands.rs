@@ -1,4 +1,4 @@
-//! Commanded poses of which a log has some coordinates only: programs that translate log no orientation, planar robots no third axis.
+//! Commanded poses with missing coordinates: logs of translations have no orientation, those of planar robots no third axis.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;

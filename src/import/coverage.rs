@@ -1,4 +1,4 @@
-//! What an import leaves over: channels that nothing uses, and instruments without a channel.
+//! Coverage of an import: unused channels, and instruments without a channel.
 
 use std::collections::BTreeSet;
 

@@ -133,7 +133,7 @@ pub fn import_corrected(
     }
 }
 
-/// A sentence if the measured poses of a proposed recipe are in another frame than the robot's, which the readings suffice to find.
+/// A sentence if the measured poses of a proposed recipe are in another frame than the robot's that the readings determine.
 pub(crate) fn in_other_frame(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Option<String> {
     let mapping = resolve(sources, recipe, "recipe", robot.cable_count()).ok()?;
     let notices = &mut Vec::new();

@@ -46,7 +46,7 @@ impl Assumption {
         changed
     }
 
-    /// All that have one more mistake: a sign or unit of one channel or of all, or two channels that are exchanged.
+    /// All assumptions with one more mistake: a sign or unit of one channel or of all, or two exchanged channels.
     fn with_one_more(&self, kind: Kind) -> Vec<Self> {
         let cables = self.channels.len();
         let units = factors(kind).iter().flat_map(|(f, _)| [*f, 1.0 / f]);
@@ -103,7 +103,7 @@ pub(super) fn poses(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pos
     Some(lengths.all(&best, readings))
 }
 
-/// Poses that the lengths have if no channel is wrong, which only redundant cables would show.
+/// Poses computed from the lengths as read. Only redundant cables would show a wrong channel.
 pub(super) fn poses_as_read(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pose>>> {
     let lengths = Lengths::of(readings, robot)?;
     Some(lengths.all(&Assumption::none(robot.cable_count()), readings))

@@ -31,10 +31,10 @@ pub use suggestion::{Change, Mistake, Suggestion};
 const FEWEST: usize = 6;
 /// A channel fits if the scatter about its line is below this fraction of its own scatter.
 const FITS: f64 = 0.25;
-/// A channel is another cable's if its scatter about the line of that is so many times smaller: what places of pulleys that are wrong
-/// by centimetres leave is alike for both.
+/// A channel is another cable's if its scatter about the line of that cable is smaller by this factor: errors of pulleys by
+/// centimetres cause similar scatter for both.
 const APART: f64 = 3.0;
-/// An offset of a cable above this share of the frame is a piece of cable, if it is this many times the usual one.
+/// An offset of a cable above this share of the frame is a piece of cable, if it is larger than the usual one by this factor.
 const EXTENSION: f64 = 0.05;
 const EXTENSIONS_APART: f64 = 10.0;
 /// Share of an offset within which half of its values lie, if it is constant.
@@ -407,7 +407,7 @@ fn compare(
     let mut exchanged = vec![false; columns.len()];
     for i in 0..columns.len() {
         for j in 0..i {
-            // Whichever way a channel runs, the values of another cable fit it many times better than its own.
+            // With either sign, the values of another cable fit the channel many times better than its own.
             let fits = |value: usize, expected: usize| {
                 let Some(as_other) = fit(columns[expected].expected, &values[value]) else {
                     return false;

@@ -389,7 +389,7 @@ pub(crate) fn number_of(label: &str) -> Option<i64> {
     }
 }
 
-/// Mean and standard deviation of the values that there are. The mean of equal values is that value, to the last digit.
+/// Mean and standard deviation of the existing values. The mean of equal values is exactly that value.
 fn average(values: impl Iterator<Item = f64>) -> Option<Averaged> {
     let mut there = values.filter(|value| !value.is_nan());
     let first = there.next()?;

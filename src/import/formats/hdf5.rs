@@ -1,6 +1,6 @@
 //! HDF5 files, including MATLAB files of version 7.3: arrays in groups, read in windows of rows.
 //!
-//! MATLAB stores its arrays transposed, names their class in an attribute, and keeps what cells and objects refer to in
+//! MATLAB stores its arrays transposed, names their class in an attribute, and keeps the targets of cells and objects in
 //! groups whose names begin with `#`.
 
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ use crate::memory::MemoryBudget;
 use crate::source::{Filling, FillingTexts, Format, Series, Source};
 use crate::units::{bare, split_heading};
 
-/// Bytes of an array that are decoded at a time, where its pieces in the file are not larger.
+/// Bytes of an array that are decoded at a time, unless its chunks in the file are larger.
 const WINDOW: u64 = 1 << 20;
 /// Number of variable-length texts decoded at a time.
 const TEXTS: u64 = 1 << 12;
@@ -149,7 +149,7 @@ struct Reader<'a> {
     bytes: u64,
     /// Remaining budget for decoded content (bytes).
     left: u64,
-    /// Memory for what is decoded.
+    /// Memory for decoded content.
     budget: &'a MemoryBudget,
     objects: usize,
     /// Series, each with the MATLAB variable to which it belongs.

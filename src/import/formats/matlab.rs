@@ -97,7 +97,7 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
     }
     let series = series(found, &stem(file), file, &mut notices);
     if series.is_empty() {
-        // A file of objects only is refused with what to do instead.
+        // A file of objects only is refused with advice.
         let why = notices.first().map_or_else(String::new, |notice| {
             format!(" ({})", notice.trim_start_matches(&format!("{file}: ")))
         });
@@ -332,7 +332,7 @@ impl Found<'_> {
         Ok(())
     }
 
-    /// Nothing yet, of the same file.
+    /// An empty result within the same file.
     fn below(&self) -> Self {
         Self {
             swapped: self.swapped,
@@ -343,8 +343,8 @@ impl Found<'_> {
         }
     }
 
-    /// Adds the elements of a struct array or cell array with their places. What has as many values in each of them, or none,
-    /// becomes a table with one row per element.
+    /// Adds the elements of a struct array or cell array with their places. A field with the same number of values in each of
+    /// them, or none, becomes a table with one row per element.
     fn merge(&mut self, path: &str, mut elements: Vec<(String, Self)>) {
         let count = elements.len();
         let mut names: Vec<String> = Vec::new();

@@ -96,7 +96,7 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let file = path.display().to_string();
     let refuse = |message: &str| Err(ReadError::new(&file, Location::File, message));
     let (head, input) = open(path, &file)?;
-    // Of a file only its series count further on.
+    // Only the series of a file are kept.
     let budget = watch.budget().temporary();
     let mut input = Input::new(input, watch, &budget);
     let format = match recognise(&head, path) {

@@ -118,7 +118,7 @@ fn headings(rows: &[Vec<String>], axes: &Cells, unit: &str) -> Vec<Channel> {
         .collect()
 }
 
-/// Fills the channels; the times of the frames (s).
+/// Fills the channels; returns the times of the frames (s).
 fn data(
     lines: &mut Lines<'_>,
     axes: &Cells,

@@ -40,7 +40,7 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
     })
 }
 
-/// Fails if cells are compressed with something that this build cannot undo.
+/// Fails if cells are compressed by a method that this build cannot decompress.
 fn check_compressor(compression: Compression) -> Result<(), String> {
     let name = match compression {
         Compression::UNCOMPRESSED | Compression::SNAPPY => return Ok(()),
@@ -287,7 +287,7 @@ fn each<T: DataType>(
             return Ok(count);
         }
         count += records;
-        // A page has a run of equal values once, and of a text what differs from the one before.
+        // A page stores a run of equal values once, and of a text only the difference from the previous one.
         let sizes = values.iter().map(|value| value.as_bytes().len());
         let longer: usize = sizes.map(|size| size.saturating_sub(VALUE)).sum();
         let taken = budget.take((records * VALUE + longer) as u64);

@@ -37,7 +37,7 @@ mod content {
     pub const DAQMX: u32 = 1 << 7;
 }
 
-/// Why reading ended.
+/// Reason why reading ended.
 enum Fault {
     Damaged(&'static str),
     Refused(String),

@@ -1,4 +1,4 @@
-//! The archive of a workbook, and what its sheets become.
+//! The archive of a workbook, and the series of its sheets.
 
 use tautline_session::{Location, ReadError, quoted};
 
@@ -83,19 +83,19 @@ pub(super) struct Sheets<'a> {
     book: &'a Workbook<'a>,
     count: usize,
     source: Source,
-    /// Why the first sheet without a table was left out.
+    /// Reason why the first sheet without a table was left out.
     refusal: Option<ReadError>,
 }
 
 impl Sheets<'_> {
-    /// A sheet that has no cells, such as a chart.
+    /// Reports a sheet without cells, such as a chart.
     pub fn leave_out(&mut self, name: &str) {
         let (file, name) = (self.book.file, quoted(name));
         let notice = format!("{file}: sheet {name} left out: it is not a table");
         self.source.notices.push(notice);
     }
 
-    /// A sheet of a part with its rows, of which only the series counts further on.
+    /// Adds a sheet of a part with its rows, of which only the series is kept.
     pub fn add(&mut self, name: &str, part: &str, grid: Grid) -> Result<(), ReadError> {
         let rows = grid.finish();
         let rows = rows.map_err(|fault| self.book.refused(part, fault))?;

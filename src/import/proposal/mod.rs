@@ -57,7 +57,7 @@ pub fn propose_around(
         source.series.iter().map(move |series| (series, format))
     });
     let mut series: Vec<(&Series, Format)> = series.collect();
-    // States and commands of joints have the same names: what is measured goes first.
+    // States and commands of joints have the same names: measured ones come first.
     series.sort_by_key(|(series, format)| is_wanted(&topic(series, *format)));
     for (series, format) in series {
         proposal.own_names(series);
@@ -378,7 +378,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Families whose names say nothing, but whose values follow the cables at the commanded poses.
+    /// Assigns families whose names are unknown, but whose values follow the cables at the commanded poses.
     fn by_motion(&mut self, sources: &[Source]) {
         let moves = OF_WINCHES.iter().any(|column| self.is_given(column));
         let pulls = self.is_given("force_{i}_n");
@@ -532,7 +532,7 @@ impl Proposal<'_> {
         self.poses(series, format);
     }
 
-    /// The column of a channel that is the only one of its kind; `is_one`: no other has its name but for a number.
+    /// The column of a channel that is the only one of its kind; `is_one`: no other name differs by a number only.
     fn single_column(
         &self,
         series: &Series,
@@ -541,7 +541,7 @@ impl Proposal<'_> {
     ) -> Option<&'static str> {
         let words = words_of(&channel.name);
         let unit = channel.unit.as_deref().map(parse_unit);
-        // What an unknown unit measures is none of ours.
+        // An unknown unit measures no quantity of ours.
         let dimension = match unit {
             Some(unit) => Some(unit?.dimension),
             None => None,
@@ -625,7 +625,7 @@ impl Proposal<'_> {
         let largest = range[0].abs().max(range[1].abs());
         let frame_m = self.robot.frame_size_m()?;
         let unit = match column {
-            // No recording begins that many seconds after 1970.
+            // No recording begins this number of seconds after 1970.
             "time_s" if largest > 1e17 => "ns",
             "time_s" if largest > 1e14 => "us",
             "time_s" if largest > 1e11 => "ms",
@@ -646,7 +646,7 @@ impl Proposal<'_> {
             return;
         }
         let mut bodies = self.bodies(series, format);
-        // What is stated goes first; a body with an orientation tells more than a marker without one.
+        // Poses of stated origin come first, and bodies with an orientation before markers without one.
         bodies.sort_by_key(|body| (body.origin, usize::MAX - body.components.len()));
         for body in bodies {
             self.pose(series, format, body);

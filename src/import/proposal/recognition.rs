@@ -73,7 +73,7 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
     };
     let dimension = match first.unit.as_deref() {
         None => None,
-        // What an unknown unit measures is none of ours.
+        // An unknown unit measures no quantity of ours.
         Some(unit) => Some(parse_unit(unit)?.dimension),
     };
     let kind = match dimension {
@@ -97,7 +97,7 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
     })
 }
 
-/// Lengths of which some pass zero count from home: no cable is shorter than nothing.
+/// Lengths of which some pass zero count from home, since lengths of cables are positive.
 pub(super) fn since_home(kind: Kind, channels: &[&Channel]) -> Kind {
     let passes_zero = |channel: &&Channel| {
         let [low, high] = channel.summary().range;
@@ -146,7 +146,7 @@ fn named_kind(words: &[String]) -> Option<Kind> {
     }
 }
 
-/// Who states a pose.
+/// Origin of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Origin {
     /// The controller, as a command.
@@ -259,7 +259,7 @@ fn is_angle(unit: Unit) -> bool {
     unit.dimension == Dimension::Angle
 }
 
-/// Who states the pose that these words name.
+/// Origin of the pose that these words name.
 pub(super) fn origin_of(words: &[String]) -> Origin {
     if is_wanted(words) {
         Origin::Commanded

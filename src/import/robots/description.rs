@@ -1,4 +1,4 @@
-//! What descriptions of robots state, and what they leave to be assumed.
+//! Content of robot descriptions, and default assumptions for missing values.
 
 use nalgebra::UnitQuaternion;
 use tautline_core::geometry::{Coordinate, Pose};
@@ -10,9 +10,9 @@ use tautline_session::{Loaded, Location, ReadError, VersionedFile};
 use super::dialect::ForeignRobot;
 use super::settings::Settings;
 
-/// Default standard deviation of a length reading (m): what good winches reach.
+/// Default standard deviation of a length reading (m), typical of good winches.
 const LENGTH_SD_M: f64 = 1e-3;
-/// Default standard deviation of a coordinate of the home pose (m): what a mark on the floor reaches.
+/// Default standard deviation of a coordinate of the home pose (m), typical of a mark on the floor.
 pub(super) const POSITION_SD_M: f64 = 1e-3;
 /// Default standard deviation of a rotation of the home pose (rad).
 pub(super) const ROTATION_SD_RAD: f64 = 1e-3;
@@ -67,7 +67,7 @@ pub(super) fn pose_of(position_m: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pos
     }
 }
 
-/// The pose in the base of what has the pose `inner` in a frame.
+/// The pose in the base of an object with the pose `inner` in `frame`.
 pub(super) fn in_frame(frame: &Pose, inner: &Pose) -> Pose {
     Pose {
         position: frame.transform(&inner.position),

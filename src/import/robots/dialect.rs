@@ -1,7 +1,8 @@
 //! Texts of other programs that are read and written: firmware and simulators.
 //!
-//! Each dialect is a table of [`Setting`]s, what its numbers mean, and the robot that they describe. The places of the numbers are known,
-//! so a calibrated robot is written by changing numbers in the user's own text, or in a new text of the same dialect.
+//! Each dialect is a table of [`Setting`]s, with the meaning of its numbers, and the robot that they describe. The positions of
+//! the numbers in the text are known, so a calibrated robot is written by changing numbers in the user's own text, or in a new
+//! text of the same dialect.
 
 use std::ops::Range;
 
@@ -21,7 +22,7 @@ pub enum Meaning {
     BuildUp,
     /// Axial stiffness of the cables.
     Stiffness,
-    /// Something that a calibration does not change.
+    /// A number that a calibration does not change.
     Kept,
 }
 
@@ -94,7 +95,7 @@ pub struct Parameter {
     pub cable: String,
     /// Value in the unit of the text.
     pub value: f64,
-    /// Its row in the table of the dialect.
+    /// Its setting in the table of the dialect.
     pub row: Setting,
     /// Bytes of the value in the text.
     pub(super) at: Range<usize>,
@@ -120,7 +121,7 @@ impl Parameter {
 /// The robot that a text describes, and the numbers in it that a calibration may change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeignRobot {
-    /// The robot, with what was assumed and what a robot of ours cannot express.
+    /// The robot, which includes assumptions for missing values.
     pub robot: Robot,
     /// Notices of reading.
     pub notices: Vec<String>,
@@ -137,7 +138,7 @@ impl ForeignRobot {
         }
     }
 
-    /// `text`, from which this was read, with other values of the parameters in the form of `written`; `None` keeps what is there.
+    /// `text`, from which this was read, with other values of the parameters in the form of `written`; `None` keeps the old text.
     #[must_use]
     pub fn text_with(
         &self,
@@ -157,7 +158,7 @@ impl ForeignRobot {
     }
 }
 
-/// A program's way to describe a cable robot.
+/// Text format in which a program describes a cable robot.
 #[derive(Debug)]
 pub struct Dialect {
     /// Name in commands.

@@ -42,7 +42,7 @@ const NEW_SDF: [&str; 3] = [
     "  </model>\n</sdf>\n",
 ];
 
-/// A place in another one, which has no name if it is the base.
+/// A frame relative to another one, which has no name if it is the base.
 struct Frame<'x> {
     name: &'x str,
     within: &'x str,
@@ -161,7 +161,7 @@ impl<'x> Model<'x> {
         Err(self.root.error(self.file, &message))
     }
 
-    /// The frames of a kind with what follows it in their names.
+    /// The frames of a kind, each with the rest of its name.
     fn points(&self, kind: &str) -> Vec<(&'x str, &Frame<'x>)> {
         let of_kind = |frame: &Frame<'x>| frame.name.strip_prefix(kind);
         let all = self.frames.iter();
@@ -170,7 +170,7 @@ impl<'x> Model<'x> {
         all.map(|(rest, frame)| (name(rest), frame)).collect()
     }
 
-    /// The platform, and the cables between the frames, whose places become parameters.
+    /// The platform, and the cables between the frames, whose positions become parameters.
     fn cables(&self, settings: &mut Settings<'_>) -> Result<(&'x str, Vec<Cable>), ReadError> {
         let (anchors, mut cables) = (self.points("anchor"), Vec::new());
         let platform = anchors.first().ok_or_else(|| {

@@ -35,7 +35,7 @@ struct Placed<'x> {
     pose: Pose,
 }
 
-/// Places in a model.
+/// Bodies, sites and geoms of a model.
 struct Model<'x> {
     file: &'x str,
     is_degrees: bool,
@@ -204,7 +204,7 @@ fn platform_body(
     })
 }
 
-/// The cable of a tendon; the place from which it comes into the workspace becomes parameters.
+/// The cable of a tendon; the position from which it enters the workspace becomes parameters.
 fn cable(
     model: &Model<'_>,
     platform: usize,

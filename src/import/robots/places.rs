@@ -1,8 +1,8 @@
-//! Tables of the places of pulleys and platform anchors, one row for each cable: sheets, texts, arrays of MATLAB and NumPy.
+//! Tables of the positions of pulleys and platform anchors, one row for each cable: sheets, texts, arrays of MATLAB and NumPy.
 //!
-//! A heading says of which part and along which axis a column is, in English or German: `pulley x [mm]`, `Rolle x`, `platform_y_m`,
-//! or the letters of equations, `geom.A` for the pulleys and `geom.B` for the platform anchors. What such a table does not state is
-//! assumed and said.
+//! A heading names the part and the axis of a column, in English or German: `pulley x [mm]`, `Rolle x`, `platform_y_m`, or
+//! the letters of equations, `geom.A` for the pulleys and `geom.B` for the platform anchors. Missing values are assumed and
+//! reported.
 
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{Cable, Home, Platform, Robot};
@@ -22,9 +22,9 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const MAX_CABLES: usize = 64;
 /// Largest frame of coordinates without a unit that are taken as metres; the largest of others are millimetres.
 const LARGEST_IN_METRES: f64 = 60.0;
-/// Standard deviation of a home in the middle of the frame, over the frame's size: it is a guess.
+/// Standard deviation of an assumed home in the middle of the frame, as a fraction of the frame's size.
 const HOME_SD: f64 = 0.05;
-/// Standard deviation of the rotation there (rad).
+/// Standard deviation of the rotation of an assumed home (rad).
 const HOME_ROTATION_SD_RAD: f64 = 0.05;
 
 /// Property of a cable that a column states.
@@ -98,7 +98,7 @@ struct CableColumn<'s> {
     values: &'s Values,
 }
 
-/// The places that a file states, and what was assumed of their unit; `None` if it holds other things.
+/// The positions that a file states, and the assumptions about their unit; `None` if it has other content.
 pub(crate) fn places_of(source: &Source) -> Option<(PartPlaces, Vec<String>)> {
     let is_short = |table: &&Series| (2..=MAX_CABLES).contains(&table.rows);
     let tables = || source.series.iter().filter(is_short);
@@ -160,7 +160,7 @@ impl CableColumn<'_> {
     }
 }
 
-/// The columns of a table that state places or sizes; none if others are numbered, as readings of cables are.
+/// The columns of a table that state positions or sizes; none if other columns are numbered, like readings of cables.
 fn columns(table: &Series) -> Vec<CableColumn<'_>> {
     let names = || table.channels.iter().map(|channel| &*channel.name);
     // Columns of x, y and z alone are those of the pulleys in a table whose rows are different pulleys or cables.
@@ -279,11 +279,11 @@ fn points(columns: &[CableColumn<'_>], property: Property, assumed: f64) -> Opti
 }
 
 impl PartPlaces {
-    /// The robot with these places. A platform without anchors is a point; without a third coordinate it moves in the plane. Winches,
-    /// home and noise are assumed where they are not stated.
+    /// The robot with these positions. A platform without anchors is a point; without a third coordinate it moves in the plane.
+    /// Winches, home and noise are assumed where they are not stated.
     ///
     /// # Errors
-    /// If no robot can have these places; names `file`.
+    /// If no robot can have these positions; names `file`.
     pub fn robot(&self, file: &str, mut notices: Vec<String>) -> Result<Loaded<Robot>, ReadError> {
         let normal = (0..3).find(|axis| {
             let points = self.pulleys_m.iter().chain(&self.platform_m);

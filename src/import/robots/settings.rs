@@ -1,4 +1,4 @@
-//! The numbers of a text file with their keys and places, for reading them and for writing others in their place.
+//! The numbers of a text file with their keys and positions, for reading and for replacing them.
 //!
 //! | syntax | text | key |
 //! |---|---|---|
@@ -18,7 +18,7 @@ use super::dialect::{Meaning, Parameter, Setting};
 /// Deepest nesting of YAML.
 const MAX_DEPTH: usize = 64;
 
-/// All values of a text, and what was read of them.
+/// All values of a text, with a record of those that were read.
 #[derive(Debug)]
 pub(super) struct Settings<'t> {
     pub(super) file: &'t str,
@@ -232,7 +232,7 @@ impl<'t> Settings<'t> {
         self.all.iter().any(|(key, _)| key.starts_with(prefix))
     }
 
-    /// The keys with one of these beginnings that nothing has read, a list of values as one, in a notice with a reason.
+    /// A notice with a reason about the unused keys with one of these beginnings; a list of values counts as one.
     pub(super) fn left_out(&self, prefixes: &[&str], why: &str) -> Option<String> {
         let is_meant = |key: &String| prefixes.iter().any(|prefix| key.starts_with(prefix));
         let keys = self.all.iter().map(|(key, _)| key);

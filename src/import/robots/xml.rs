@@ -10,7 +10,7 @@ use tautline_session::{Location, ReadError, quoted};
 /// Deepest nesting of elements.
 const MAX_DEPTH: usize = 64;
 
-/// An element with what is in it.
+/// An element with its content.
 #[derive(Debug, Default)]
 pub(super) struct Element {
     pub name: String,

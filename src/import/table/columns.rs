@@ -30,7 +30,7 @@ struct ColumnBuilder {
 }
 
 impl Columns {
-    /// Columns of a layout; what each holds is found out from a sample of rows.
+    /// Columns of a layout; their types are determined from a sample of rows.
     pub fn new(file: &str, layout: &Layout, sample: &[(u64, &Cells)]) -> Self {
         let data = || {
             sample
@@ -101,7 +101,7 @@ impl Columns {
         Ok(())
     }
 
-    /// The series of these columns; what was not read is reported in notices.
+    /// The series of these columns; cells that were not read are reported in notices.
     ///
     /// # Errors
     /// If there is no row, or most rows have a different number of cells.

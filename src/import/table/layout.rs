@@ -155,7 +155,7 @@ impl Layout {
     }
 }
 
-/// The commonest number of cells.
+/// The most frequent number of cells.
 fn width<'a>(rows: impl Iterator<Item = &'a Cells>) -> usize {
     let mut counts: HashMap<usize, usize> = HashMap::new();
     for cells in rows.filter(|cells| !cells.are_blank()) {

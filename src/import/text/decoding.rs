@@ -39,7 +39,7 @@ impl Encoding {
     /// The bytes after a byte order mark.
     pub fn skip_mark<R: Read>(self, mut reader: R) -> impl Read {
         let mut first = Vec::new();
-        // What cannot be read here cannot be read below either, where the error is reported.
+        // An error here occurs again below, where it is reported.
         let _ = (&mut reader).take(3).read_to_end(&mut first);
         let skipped = match self {
             Self::Utf16 { .. } if matches!(first[..], [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) => 2,

@@ -424,7 +424,7 @@ fn long_list(path: &str) -> String {
     format!("{}, a list of more than {MOST_ELEMENTS}", quoted(path))
 }
 
-/// The time (s) that an object of JSON with seconds and nanoseconds is.
+/// The time (s) of a JSON object with seconds and nanoseconds.
 fn time_of(value: &Value) -> Option<f64> {
     let fields = value.as_object().filter(|fields| fields.len() == 2)?;
     let nanoseconds = fields.get("nanosec").or(fields.get("nsec"))?.as_f64()?;

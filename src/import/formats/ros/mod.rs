@@ -72,7 +72,7 @@ enum Decoder {
     Json,
 }
 
-/// Begins a message, if it is in the encoding that its topic has.
+/// Begins a message, if it is in the encoding of its topic.
 type Begin = for<'a> fn(&'a [u8]) -> Option<Wire<'a>>;
 
 impl Decoder {
@@ -107,7 +107,7 @@ struct Texts {
 }
 
 impl Recording {
-    /// Nothing yet; rows count in a budget.
+    /// An empty series whose rows take memory from `budget`.
     fn within(budget: &MemoryBudget) -> Self {
         Self {
             connections: HashMap::new(),

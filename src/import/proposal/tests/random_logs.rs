@@ -1,5 +1,5 @@
-//! Logs of channels with the names that others use: in any order, with other channels between them, in other units, with signs
-//! reversed. What is proposed is right, or a sentence says what is doubtful.
+//! Logs of channels with names of other programs: in any order, with other channels between them, in other units, with signs
+//! reversed. The proposal is right, or a sentence reports the doubt.
 
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{RngExt, SeedableRng};
