@@ -1,4 +1,4 @@
-//! Suites across crates, and what they need.
+//! Suites across crates, with their support, generators and tables.
 
 pub mod generators;
 pub mod support;

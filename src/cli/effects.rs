@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 struct Subject {
     robot: Robot,
     poses: Vec<Pose>,
-    /// What it is called in the arguments.
+    /// Name in the arguments.
     name: String,
 }
 
@@ -140,7 +140,7 @@ fn write_gallery(path: &Path, subject: &Subject) -> Result<()> {
     Ok(())
 }
 
-/// Where each hypothesis comes from, in lines.
+/// Source of each hypothesis, one line each.
 fn sources(arguments: &Arguments, subject: &Subject) -> Result<Vec<String>> {
     let effects: Vec<&Effect> = subject.robot.hypothesis_effects().collect();
     if effects.is_empty() {
@@ -259,7 +259,7 @@ fn unit(unit: &str) -> String {
     }
 }
 
-/// By how much sound parts deviate, on small machines and on large ones if they differ.
+/// Tolerance of sound parts, on small and on large machines if these differ.
 fn tolerance(effect: &EffectDocument) -> String {
     let mut stated = effect.parameters.iter();
     let stated = stated.find_map(|p| p.tolerance.map(|typical| (unit(&p.unit), typical)));

@@ -2,7 +2,7 @@
 
 use clap::builder::Styles;
 
-/// The section below the options: what each example does, and its line.
+/// The section below the options: purpose and command line of each example.
 pub fn examples(list: &[(&str, &str)]) -> String {
     let mut text = heading("Examples:");
     for (purpose, line) in list {

@@ -21,7 +21,7 @@ impl BadInput {
     }
 }
 
-/// A command that wrote its results, which say what is wrong; the number is its exit code.
+/// A failure of a command that wrote its results, which state the problem; the number is its exit code.
 #[derive(Debug, Clone, Copy, thiserror::Error)]
 #[repr(u8)]
 pub enum Reservation {
@@ -36,7 +36,7 @@ pub enum Reservation {
 }
 
 impl Reservation {
-    /// Fails with this unless all is well.
+    /// Fails with this reservation unless `all_is_well`.
     pub fn unless(self, all_is_well: bool) -> anyhow::Result<()> {
         if all_is_well {
             Ok(())

@@ -43,7 +43,7 @@ impl HypothesisFiles {
     }
 }
 
-/// The hypotheses in the settings folder of the user, read once; what is wrong there is noted once.
+/// The hypotheses in the settings folder of the user, read once; errors are reported once.
 pub fn of_user() -> &'static HypothesisFolder {
     static READ: OnceLock<HypothesisFolder> = OnceLock::new();
     READ.get_or_init(|| {

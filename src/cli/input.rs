@@ -63,15 +63,15 @@ fn read_session(path: &Path) -> Result<Session> {
     Ok(session)
 }
 
-/// What was measured, from a session or from a dataset folder.
+/// Measurements of a session or of a dataset folder.
 pub struct Measured {
     /// Robot and measurements; without the excluded poses of a session.
     pub dataset: Dataset,
     /// Lines of the table of poses in a dataset folder.
     pub lines: Option<PoseLines>,
-    /// When the poses were read, if that is known.
+    /// Time at which the poses were read, if known.
     pub measured_at: Option<Timestamp>,
-    /// Method and effects of a session; the usual ones for a dataset folder.
+    /// Method and effects of a session; the defaults for a dataset folder.
     pub identification: IdentificationSettings,
 }
 
@@ -105,8 +105,8 @@ pub fn dataset(path: &Path) -> Result<Dataset> {
     Ok(read.dataset)
 }
 
-/// A session, or a dataset folder as one, with the time when its poses were read, if known: a folder without a date was not
-/// measured when it is read.
+/// A session, or a dataset folder as one, with the time at which its poses were read, if known: the time at which a folder
+/// is read says nothing about its measurement.
 pub fn dated_session(path: &Path) -> Result<(Session, Option<Timestamp>)> {
     let session = session(path)?;
     let is_dated = !path.is_dir() || read_dataset(path)?.measured_at.is_some();

@@ -198,7 +198,7 @@ pub struct Window {
 
 /// Runs the command line.
 pub fn run(window: &Window) -> ExitCode {
-    // Options say themselves what is wrong with a negative number.
+    // Options report the error of a negative number themselves.
     let negative = |argument: clap::Arg| match argument.get_action().takes_values() {
         true => argument.allow_negative_numbers(true),
         false => argument,
@@ -314,7 +314,7 @@ mod tests {
 
     use super::*;
 
-    /// What numbers with a fraction can be in: units, and dimensionless quantities.
+    /// Value names of numbers with a fraction: units, and dimensionless quantities.
     const UNITS: [&str; 10] = [
         "M",
         "MM",
@@ -328,7 +328,7 @@ mod tests {
         "TIMES",
     ];
 
-    /// Commands that write nothing but what was asked for with `--out`, or a folder with its JSON.
+    /// Commands that write only the file of `--out`, or a folder with its JSON.
     const WITHOUT_JSON: [&str; 10] = [
         "new",
         "simulate",

@@ -19,7 +19,7 @@ use crate::replace::{OutputFile, permit};
 static FAILURE: OnceLock<std::io::Error> = OnceLock::new();
 /// Whether notices, progress and confirmations are left out.
 static QUIET: AtomicBool = AtomicBool::new(false);
-/// Whether standard output is for a document, which other text would spoil.
+/// Whether standard output is reserved for a document, which other text would spoil.
 static HAS_DOCUMENT: AtomicBool = AtomicBool::new(false);
 
 /// Leaves out notices, progress and confirmations from now on.
@@ -37,7 +37,7 @@ pub fn expect_document() {
     HAS_DOCUMENT.store(true, Ordering::Relaxed);
 }
 
-/// Whether a file name stands for standard input or output.
+/// Whether a file name is `-`, which stands for standard input or output.
 pub fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
@@ -73,7 +73,7 @@ pub fn check() -> Result<()> {
     }
 }
 
-/// Prints a line on standard error that is needed whatever the command: an error, a question.
+/// Prints a line on standard error, even if the command is quiet: an error, a question.
 pub fn message(text: impl AsRef<str>) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text.as_ref()));
 }
@@ -127,7 +127,7 @@ pub struct JsonOutput<D: VersionedFile, E: VersionedFile = D> {
 }
 
 impl<D: VersionedFile, E: VersionedFile> JsonOutput<D, E> {
-    /// Whether standard output is for human-readable text, not JSON.
+    /// Whether standard output gets human-readable text rather than JSON.
     pub fn is_text(&self) -> bool {
         !self.file.as_deref().is_some_and(is_standard)
     }
@@ -137,8 +137,8 @@ impl<D: VersionedFile, E: VersionedFile> JsonOutput<D, E> {
         self.open(0)?.deliver(document, print)
     }
 
-    /// Opens the requested file, with space for the document and a result of at most [`RESULT`] bytes, before something is
-    /// done that cannot be repeated.
+    /// Opens the requested file, with space for the document and a result of at most [`RESULT`] bytes, before an action that
+    /// cannot be repeated.
     pub fn reserve(&self, document: &D) -> Result<ReservedOutput> {
         let text = pretty(&tautline_session::versioned(document))?;
         self.open(text.len() as u64 + RESULT)
@@ -163,7 +163,7 @@ impl<D: VersionedFile, E: VersionedFile> JsonOutput<D, E> {
 /// Largest growth of a document by its result (bytes).
 const RESULT: u64 = 1 << 20;
 
-/// Output for which there is space.
+/// Output whose space on the disk is reserved.
 #[derive(Debug)]
 pub struct ReservedOutput {
     /// `None` if no file was requested.

@@ -1,4 +1,4 @@
-//! What the outputs of commands may replace.
+//! Protection of existing files from the outputs of commands.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -15,7 +15,7 @@ use same_file::is_same_file;
 use crate::BadInput;
 use crate::output::{self, is_standard};
 
-/// A file or folder that a command writes, by which [`permit_all`] knows it; `-` is standard output.
+/// A file or folder that a command writes, checked by [`permit_all`]; `-` is standard output.
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
@@ -50,7 +50,7 @@ impl Deref for OutputFile {
     }
 }
 
-/// What the arguments of the command say about files.
+/// Files in the arguments of the command.
 #[derive(Debug, Default)]
 struct Given {
     replace: bool,
@@ -145,12 +145,12 @@ fn refused(file: &Path, why: &str) -> anyhow::Error {
     BadInput::new(format!("{}: {why}", file.display()))
 }
 
-/// Whether it is a device or a pipe, such as /dev/stdout, which has no content to lose.
+/// Whether a path is a device or a pipe, such as /dev/stdout, which has no content to lose.
 fn is_device(file: &Path) -> bool {
     fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
-/// Whether two names are those of one file, which need not exist yet.
+/// Whether two paths name the same file, which need not exist yet.
 fn is_same(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         let path = std::path::absolute(path).ok()?;
@@ -180,9 +180,9 @@ mod tests {
 
     use super::*;
 
-    /// Whether a command with these words may begin.
+    /// Checks the outputs of a command with these words.
     fn may_begin(words: &[&str]) -> Result<()> {
-        // What else a command needs does not matter here.
+        // Other arguments that a command requires are not needed here.
         let command = crate::Arguments::command().ignore_errors(true);
         let matches = command.try_get_matches_from([&["tautline"], words].concat());
         let (inputs, outputs) = files_of(&matches.expect("errors are ignored"));

@@ -46,7 +46,7 @@ struct Rows {
     number: String,
     /// Smallest number.
     first: usize,
-    /// Column of text and value in it that the rows have in common, where others have not.
+    /// Column of text and its value in these rows, if rows of other devices have other values.
     kind: Option<(usize, u32)>,
     /// Row of each actuator at each time.
     rows: Vec<Vec<Option<usize>>>,
@@ -72,7 +72,7 @@ impl Rows {
             .find_map(|(channel, kind)| Self::by(series, channel, kind, cables))
     }
 
-    /// The rows by a column of numbers; `None` if these are not those of the cables, again and again.
+    /// The rows by a column of numbers; `None` unless the numbers of the cables repeat in it.
     fn by(
         series: &Series,
         channel: &Channel,
@@ -200,7 +200,7 @@ impl Rows {
         spread
     }
 
-    /// Whether a channel has one value for all actuators at each time, as the number of a pose.
+    /// Whether a channel, such as the number of a pose, has the same value for all actuators at each time.
     fn is_common(&self, channel: &Channel) -> bool {
         let is_one = |rows: &Vec<Option<usize>>| {
             let mut values = rows.iter().flatten().map(|row| channel.values.at(*row));

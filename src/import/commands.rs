@@ -1,10 +1,10 @@
-//! Commanded poses of which a log has some coordinates only: programs that translate log no orientation, planar robots no third axis.
+//! Commanded poses with missing coordinates: logs of translations have no orientation, those of planar robots no third axis.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 
 use crate::cutting::{Averaged, CutPose};
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Completes commanded positions: coordinates in which the platform cannot move, and a missing orientation, are those of the home
 /// pose. Positions without a coordinate that is free are left out. Notices state both.

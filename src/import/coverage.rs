@@ -1,11 +1,11 @@
-//! What an import leaves over: channels that nothing uses, and instruments without a channel.
+//! Coverage of an import: unused channels, and instruments without a channel.
 
 use std::collections::BTreeSet;
 
 use tautline_core::robot::Robot;
 
 use crate::naming::{Family, families, is_label};
-use crate::recipe::{Kind, Mapping};
+use crate::recipe::{Mapping, QuantityKind as Kind};
 use crate::source::{Series, Source};
 
 /// Most names in one notice.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
-use tautline_session::{Place, ReadError, escape_formula, read_poses};
+use tautline_session::{Location, ReadError, escape_formula, read_poses};
 
 use crate::check::{Change, Readings, Suggestion, check};
 use crate::commands::complete_commands;
@@ -13,7 +13,7 @@ use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
 use crate::memory::MemoryBudget;
-use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
+use crate::recipe::{Cutting, Mapping, Quantity, QuantityKind as Kind, Recipe, is_series, resolve};
 use crate::source::Source;
 use crate::turning::turn_angles;
 
@@ -57,7 +57,7 @@ pub fn import(
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
     let recipe = &place(&mut poses, recipe, robot, &mut notices)
-        .map_err(|message| ReadError::new(file, Place::File, message))?;
+        .map_err(|message| ReadError::new(file, Location::File, message))?;
     let columns = columns(&mapping, &poses, recipe);
     let readings = readings(&poses, &labels, &columns, recipe);
     let suggestions = suggestions(&mapping, &readings, recipe, robot, &mut notices);
@@ -133,7 +133,7 @@ pub fn import_corrected(
     }
 }
 
-/// A sentence if the measured poses of a proposed recipe are in another frame than the robot's, which the readings suffice to find.
+/// A sentence if the measured poses of a proposed recipe are in another frame than the robot's that the readings determine.
 pub(crate) fn in_other_frame(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Option<String> {
     let mapping = resolve(sources, recipe, "recipe", robot.cable_count()).ok()?;
     let notices = &mut Vec::new();
@@ -243,7 +243,7 @@ impl std::fmt::Display for ImportError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.error)?;
         let about = |suggestion: &&Suggestion| match &self.error.place {
-            Place::Cell(_, column) => suggestion.columns.contains(column),
+            Location::Cell(_, column) => suggestion.columns.contains(column),
             _ => false,
         };
         let first = self

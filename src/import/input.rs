@@ -9,7 +9,7 @@ use crate::memory::MemoryBudget;
 /// Interval between progress callbacks (bytes).
 const STEP: u64 = 1 << 20;
 
-/// Tracks progress of reading and may stop it; has the memory for what is read.
+/// Progress of reading, its cancellation and its memory budget.
 pub(crate) struct Watch<'a> {
     /// Total size of all files (bytes).
     whole: u64,
@@ -17,7 +17,7 @@ pub(crate) struct Watch<'a> {
     read: Cell<u64>,
     /// Position of the next callback (bytes).
     next: Cell<u64>,
-    /// Whether reading was ended.
+    /// Whether reading was cancelled.
     stopped: Cell<bool>,
     /// Receives the fraction done and returns whether to continue.
     goes_on: &'a dyn Fn(f64) -> bool,
@@ -42,12 +42,12 @@ impl<'a> Watch<'a> {
         self.budget
     }
 
-    /// Whether reading was ended.
+    /// Whether reading was cancelled.
     pub fn is_stopped(&self) -> bool {
         self.stopped.get()
     }
 
-    /// Counts bytes; fails once reading was stopped.
+    /// Counts bytes read; fails once reading was cancelled.
     fn count(&self, bytes: u64) -> Result<()> {
         let read = self.read.get() + bytes;
         self.read.set(read);

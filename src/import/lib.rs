@@ -48,12 +48,12 @@ pub use orientation::arrange_per_cable;
 pub use outline::outline;
 pub use proposal::{propose, propose_around};
 pub use recipe::{
-    AngleOrder, Angles, Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe,
-    Rest, Step, read_recipe,
+    AngleOrder, Angles, Assignment, Clock, Cutting, Instrument, Placement, Quantity, QuantityKind,
+    Recipe, Rest, Step, read_recipe,
 };
 pub use robot_files::{is_robot_description, read_robot_description};
 pub use robots::{
-    Dialect, ForeignRobot, Meaning, Parameter, PartPlaces, Row, read_description_text,
+    Dialect, ForeignRobot, Meaning, Parameter, PartPlaces, Setting, read_description_text,
 };
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;

@@ -1,10 +1,10 @@
-//! Limit of memory for the content of foreign files. It is not bounded by their size: a megabyte can decode to gigabytes.
+//! Limit of memory for the content of foreign files, which is not bounded by their size: a megabyte can decode to gigabytes.
 
 use std::io::{Error, ErrorKind, Read, Result as IoResult};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Memory that an import may use for decoded content; clones share it. What is there byte by byte in a file is not counted.
+/// Memory that an import may use for decoded content; clones share it. Content that a file stores byte by byte is not counted.
 #[derive(Debug, Clone)]
 pub struct MemoryBudget {
     used: Arc<AtomicU64>,
@@ -48,7 +48,7 @@ impl MemoryBudget {
     /// The default limit (bytes).
     pub const DEFAULT_LIMIT: u64 = 2 << 30;
 
-    /// A budget of so many bytes.
+    /// A budget of `limit` bytes.
     #[must_use]
     pub fn new(limit: u64) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl MemoryBudget {
         }
     }
 
-    /// A budget of what is left, for content that is dropped again.
+    /// A budget of the remaining bytes, for content that is dropped again.
     pub(crate) fn temporary(&self) -> Self {
         Self {
             used: Arc::new(self.used.load(Ordering::Relaxed).into()),

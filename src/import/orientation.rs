@@ -6,8 +6,8 @@ use crate::actuators::spread_actuators;
 use crate::source::{Channel, Format, Series, Source};
 use crate::values::Values;
 
-/// Gives each cable channels of its own where a file has them in rows: matrices, and logs with one row per actuator. Notices of
-/// the files name what was turned.
+/// Gives each cable its own channels if a file has them in rows: matrices, and logs with one row per actuator. Notices of
+/// the files name the transposed ones.
 pub fn arrange_per_cable(sources: &mut [Source], cables: usize) {
     transpose_matrices(sources, cables);
     spread_actuators(sources, cables);
@@ -88,7 +88,7 @@ fn name_of_row(format: Format, matrix: &Matrix, row: usize) -> String {
     }
 }
 
-/// Which matrices have one row per channel.
+/// For each matrix, whether its rows are the channels.
 fn turned(source: &Source, matrices: &[Matrix], cables: usize) -> Vec<bool> {
     let is_column = |series: &Series| {
         let is_vector = |channel: &Channel| path_of_column(source.format, &channel.name).is_none();
@@ -274,13 +274,13 @@ mod tests {
         for arrays in [
             // A pose in each row, as the laser has.
             vec![matrix("theta", 31, 8), vector("laser", 31)],
-            // Eight poses of a robot with eight cables: the laser tells.
+            // Eight poses of a robot with eight cables: the rows of the laser decide.
             vec![
                 matrix("theta", 8, 8),
                 matrix("data", 8, 15),
                 vector("laser", 8),
             ],
-            // Nothing says that the rows are those of cables.
+            // Without evidence that the rows are those of cables.
             vec![matrix("image", 5, 12)],
         ] {
             let before = source(arrays);

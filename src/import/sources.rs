@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use tautline_session::{Loaded, Place, ReadError};
+use tautline_session::{Loaded, Location, ReadError};
 
 use crate::formats::read_watched;
 use crate::input::Watch;
@@ -45,7 +45,7 @@ fn read_folder(
     notices: &mut Vec<String>,
 ) -> Result<(), ReadError> {
     let file = folder.display().to_string();
-    let failed = |error| ReadError::io(&file, Place::File, &error);
+    let failed = |error| ReadError::io(&file, Location::File, &error);
     let mut paths: Vec<PathBuf> = Vec::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
         paths.push(entry.map_err(failed)?.path());
@@ -66,7 +66,7 @@ fn read_folder(
     if sources.len() == before {
         return Err(ReadError::new(
             &file,
-            Place::File,
+            Location::File,
             "found no file with readings in this folder",
         ));
     }

@@ -351,7 +351,7 @@ fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
     }
 }
 
-/// What a recipe makes of files.
+/// The poses imported from files with a recipe.
 fn followed(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Imported {
     import(
         sources,

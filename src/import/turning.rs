@@ -3,7 +3,7 @@
 use tautline_core::geometry::Pose;
 
 use crate::cutting::{Averaged, CutPose};
-use crate::recipe::{AngleOrder, Kind, Quantity, Recipe};
+use crate::recipe::{AngleOrder, Quantity, QuantityKind as Kind, Recipe};
 
 /// Scatter of an angle within a pose that only a jump by a whole turn causes (rad).
 const JUMPS: f64 = 1.0;

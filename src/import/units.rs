@@ -254,7 +254,7 @@ pub fn split_heading(heading: &str) -> (String, Option<String>) {
     (heading.into(), unit.filter(is_unit).map(symbol))
 }
 
-/// Whether brackets hold the index of a vector and not a unit.
+/// Whether the text in brackets is the index of a vector rather than a unit.
 fn is_index(text: &str) -> bool {
     !text.is_empty()
         && text
@@ -262,7 +262,7 @@ fn is_index(text: &str) -> bool {
             .all(|byte| byte.is_ascii_digit() || byte == b',')
 }
 
-/// Whether a row of cells names units only.
+/// Whether all filled cells of a row are units.
 pub(crate) fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
     let mut count = 0;
     for cell in cells.filter(|cell| !cell.is_empty()) {

@@ -16,7 +16,7 @@ impl Values {
         self.0.len()
     }
 
-    /// Whether there are none.
+    /// Whether the list has no values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

@@ -26,7 +26,7 @@ pub enum Activity {
 pub struct ControllerState {
     /// Present activity.
     pub activity: Activity,
-    /// Whether it may move and change values; ends with the connection.
+    /// Whether motion and writing are permitted; ends with the connection.
     pub armed: bool,
 }
 
@@ -35,7 +35,7 @@ pub struct ControllerState {
 pub enum LinkProtection {
     /// Everybody on the network can read and change them.
     Open,
-    /// They are protected; in words.
+    /// The messages are protected; the text states how.
     Protected(String),
 }
 

@@ -44,9 +44,9 @@ pub enum LinkError {
     /// No response in time.
     #[error("the controller did not answer within {seconds} s when asked {request}")]
     Timeout {
-        /// What it was asked, as an infinitive with "to" or with "for".
+        /// The request, as an infinitive with "to" or a noun with "for".
         request: String,
-        /// The time that it had (s).
+        /// Timeout (s).
         seconds: f64,
     },
     /// The controller is not armed.
@@ -55,10 +55,10 @@ pub enum LinkError {
     /// Another program is armed at the controller; states the evidence.
     #[error("another program is armed at the controller: {0}")]
     Occupied(String),
-    /// The controller cannot do it at present.
+    /// The controller refuses the command at present.
     #[error("the controller refused: {0}")]
     Refused(String),
-    /// The controller does not know the user, or allows nothing to it.
+    /// The controller does not know the user, or denies access.
     #[error("the controller refused: {0}")]
     UnknownUser(String),
     /// The certificate of the controller's server is unknown, or another than the one that is trusted.
@@ -97,7 +97,7 @@ pub enum LinkError {
 }
 
 impl LinkError {
-    /// Whether the connection must be re-established.
+    /// Whether the connection is lost and must be re-established.
     #[must_use]
     pub fn is_disconnection(&self) -> bool {
         matches!(self, Self::Disconnected(_))

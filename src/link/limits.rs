@@ -136,7 +136,7 @@ mod tests {
             "{refused}"
         );
         assert_eq!(preset.robot.unchecked_tensions(), None);
-        // Without limits in the description, or a mass, nothing can be checked, which is said.
+        // Without limits in the description, or a mass, nothing can be checked.
         let mut without = preset.clone();
         without.robot.limits = None;
         let said = without.robot.unchecked_tensions().unwrap();

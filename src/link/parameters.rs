@@ -156,7 +156,7 @@ impl<'a> EffectName<'a> {
         })
     }
 
-    /// Whether it is a parameter of this effect on these targets.
+    /// Whether the name is that of a parameter of this effect on its targets.
     #[must_use]
     pub fn is_of(&self, setting: &EffectSetting) -> bool {
         self.effect == setting.effect && self.targets == setting.targets.join("+")
@@ -203,11 +203,11 @@ pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), Li
         return Err(LinkError::UnknownParameter(name.to_owned()));
     };
     match place {
-        Place::Number(number) => *number = value,
-        Place::NotNegative(_) if value < 0.0 => return invalid("it is negative"),
-        Place::Positive(_) if value <= 0.0 => return invalid("it is not positive"),
-        Place::NotNegative(number) | Place::Positive(number) => *number = value,
-        Place::HomeRotation(wxyz, axis) => {
+        ValueMut::Number(number) => *number = value,
+        ValueMut::NotNegative(_) if value < 0.0 => return invalid("it is negative"),
+        ValueMut::Positive(_) if value <= 0.0 => return invalid("it is not positive"),
+        ValueMut::NotNegative(number) | ValueMut::Positive(number) => *number = value,
+        ValueMut::HomeRotation(wxyz, axis) => {
             let [w, x, y, z] = *wxyz;
             let turn = nalgebra::Quaternion::new(w, x, y, z);
             let mut vector: Vector3<f64> = UnitQuaternion::from_quaternion(turn).scaled_axis();
@@ -215,7 +215,7 @@ pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), Li
             let q = UnitQuaternion::from_scaled_axis(vector);
             *wxyz = [q.w, q.i, q.j, q.k];
         }
-        Place::Effect(setting, parameter) => {
+        ValueMut::Effect(setting, parameter) => {
             setting.parameters.insert(parameter, value);
         }
     }
@@ -223,7 +223,7 @@ pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), Li
 }
 
 /// Reference to the value of a parameter in a robot.
-enum Place<'r> {
+enum ValueMut<'r> {
     Number(&'r mut f64),
     NotNegative(&'r mut f64),
     Positive(&'r mut f64),
@@ -231,21 +231,21 @@ enum Place<'r> {
     Effect(&'r mut EffectSetting, String),
 }
 
-fn place_of<'r>(robot: &'r mut Robot, name: &str) -> Option<Place<'r>> {
+fn place_of<'r>(robot: &'r mut Robot, name: &str) -> Option<ValueMut<'r>> {
     if let Some(rest) = name.strip_prefix("effect.") {
         return effect_place(robot, rest);
     }
     if let Some(rest) = name.strip_prefix("home.") {
         let home = robot.home.as_mut()?;
         if let Some(axis) = axis_of(rest, "_m") {
-            return home.position_m.get_mut(axis).map(Place::Number);
+            return home.position_m.get_mut(axis).map(ValueMut::Number);
         }
         let axis = axis_of(rest.strip_prefix('r')?, "_rad")?;
-        return Some(Place::HomeRotation(&mut home.orientation_wxyz, axis));
+        return Some(ValueMut::HomeRotation(&mut home.orientation_wxyz, axis));
     }
     if name == "laser.target_plane.offset_m" {
         let laser = robot.laser.as_mut()?;
-        return Some(Place::Number(&mut laser.target_plane.offset_m));
+        return Some(ValueMut::Number(&mut laser.target_plane.offset_m));
     }
     // A cable's name may contain dots, so the longest matching name is used.
     let fitting = robot.cables.iter_mut().filter(|cable| {
@@ -255,17 +255,17 @@ fn place_of<'r>(robot: &'r mut Robot, name: &str) -> Option<Place<'r>> {
     let cable = fitting.max_by_key(|cable| cable.name.len())?;
     let (part, number) = name.get(cable.name.len() + 1..)?.split_once('.')?;
     match (part, number) {
-        ("pulley", "radius_m") => Some(Place::NotNegative(&mut cable.pulley.radius_m)),
-        ("winch", "drum_diameter_m") => Some(Place::Positive(&mut cable.winch.drum_diameter_m)),
+        ("pulley", "radius_m") => Some(ValueMut::NotNegative(&mut cable.pulley.radius_m)),
+        ("winch", "drum_diameter_m") => Some(ValueMut::Positive(&mut cable.winch.drum_diameter_m)),
         ("entry_point", axis) => {
             let axis = axis_of(axis, "_m")?;
             let point = &mut cable.pulley.entry_point_m;
-            point.get_mut(axis).map(Place::Number)
+            point.get_mut(axis).map(ValueMut::Number)
         }
         ("platform_anchor", axis) => {
             let axis = axis_of(axis, "_m")?;
             let point = &mut cable.platform_anchor_m;
-            point.get_mut(axis).map(Place::Number)
+            point.get_mut(axis).map(ValueMut::Number)
         }
         _ => None,
     }
@@ -276,7 +276,7 @@ fn axis_of(name: &str, unit: &str) -> Option<usize> {
     AXES.iter().position(|known| *known == axis)
 }
 
-fn effect_place<'r>(robot: &'r mut Robot, rest: &str) -> Option<Place<'r>> {
+fn effect_place<'r>(robot: &'r mut Robot, rest: &str) -> Option<ValueMut<'r>> {
     let full = format!("effect.{rest}");
     let named = |(index, setting): (usize, &EffectSetting)| {
         let parameters = robot.effect(&setting.effect)?.parameters().iter();
@@ -285,7 +285,7 @@ fn effect_place<'r>(robot: &'r mut Robot, rest: &str) -> Option<Place<'r>> {
         Some((index, name))
     };
     let (index, name) = robot.effects.iter().enumerate().find_map(named)?;
-    Some(Place::Effect(&mut robot.effects[index], name.to_owned()))
+    Some(ValueMut::Effect(&mut robot.effects[index], name.to_owned()))
 }
 
 #[cfg(test)]

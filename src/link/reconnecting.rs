@@ -119,7 +119,7 @@ pub struct Attempts<W, G = fn() -> bool> {
     pub late_s: f64,
     /// Waits for a number of seconds.
     pub wait: W,
-    /// Whether to give up.
+    /// Returns whether to give up.
     pub gives_up: G,
 }
 

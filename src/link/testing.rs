@@ -59,7 +59,7 @@ pub(crate) fn run_of(preset: &Preset, poses: usize, seed: u64) -> MeasuringRun {
     MeasuringRun::new(plan(preset, poses, seed), &preset.robot, options)
 }
 
-/// Ticks every 50 ms and confirms what is measured, until the run pauses or ends.
+/// Ticks every 50 ms and confirms measured poses, until the run pauses or ends.
 pub(crate) fn drive(
     run: &mut MeasuringRun,
     robot: &mut dyn Controller,
@@ -87,7 +87,7 @@ pub(crate) fn drive(
     panic!("the run does not end");
 }
 
-/// What was measured, one row per pose.
+/// Measured readings, one row per pose.
 pub(crate) fn readings(events: &[MeasuringEvent]) -> Measurements {
     let mut readings = Measurements::default();
     for event in events {
@@ -106,7 +106,7 @@ pub(crate) fn warnings(events: &[MeasuringEvent]) -> Vec<String> {
     warned.collect()
 }
 
-/// Words of a tension outside of the limits, as a sound robot has it at the border of what can be held.
+/// Words of the warning of a tension outside the limits, which a sound robot may cause at the border of its workspace.
 pub(crate) const OUTSIDE_LIMITS: &str = "its tension is too";
 
 /// Measures home and poses without any trouble.

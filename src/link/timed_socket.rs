@@ -1,4 +1,4 @@
-//! A socket with a deadline for every exchange, whatever arrives meanwhile.
+//! A socket with a deadline for every exchange, independent of the data that arrive.
 //!
 //! The deadline applies to the whole exchange, not to its parts: a server that sends one byte every half second is also late.
 
@@ -11,7 +11,7 @@ use crate::error::LinkError;
 /// Reasons why a connection can no longer be used.
 #[derive(Debug)]
 pub(crate) enum SocketError {
-    /// It could not be made, or the operating system reports a failure.
+    /// The connection could not be made, or the operating system reports a failure.
     Io(std::io::Error),
     /// The response did not arrive in time.
     Late,
@@ -83,7 +83,7 @@ impl TimedSocket {
         Ok(self.0.local_addr().map_err(SocketError::Io)?.ip())
     }
 
-    /// Whether something has arrived that was not received yet.
+    /// Whether data have arrived that were not read yet.
     pub fn has_received(&self) -> Result<bool, SocketError> {
         self.0.set_nonblocking(true).map_err(SocketError::Io)?;
         let peeked = self.0.peek(&mut [0]);

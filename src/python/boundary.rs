@@ -65,7 +65,7 @@ pub fn settings(effects: &str) -> PyResult<Vec<EffectSetting>> {
 pub struct Interrupt(Option<PyErr>);
 
 impl Interrupt {
-    /// Whether to go on.
+    /// Decides whether to continue: not after Ctrl+C.
     pub fn control(&mut self) -> Control {
         if self.0.is_none() {
             self.0 = Python::attach(|py| py.check_signals()).err();
@@ -77,7 +77,7 @@ impl Interrupt {
     }
 }
 
-/// Runs `work` without the lock of the interpreter; what was interrupted by Ctrl+C is raised as that.
+/// Runs `work` without the lock of the interpreter; an interruption by Ctrl+C is raised as `KeyboardInterrupt`.
 pub fn detached<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&mut Interrupt) -> Result<T, String> + Send,

@@ -161,7 +161,7 @@ fn volume([low_m, high_m]: [[f64; 3]; 2]) -> PyResult<Volume> {
     }
 }
 
-/// The result of the command `history`, and what the operator should know.
+/// The result of the command `history`, and notices for the operator.
 #[pyfunction]
 pub fn history(
     py: Python<'_>,

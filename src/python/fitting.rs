@@ -13,9 +13,9 @@ use tautline_workflow::identification::{
 use crate::boundary::{
     DatasetTexts, detached, error, json, parsed_dataset, parsed_robot, settings,
 };
-use crate::table::{Column, columns, numbers};
+use crate::table::{NamedColumn, columns, numbers};
 
-/// What is identified, and how.
+/// Options of an identification.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct FitOptions {
@@ -32,14 +32,14 @@ pub struct FitOptions {
 /// Tables of readings and of values, names of the estimated parameters with their covariance, row by row, and the covariances
 /// of the entry points, cables by 3 by 3.
 type FitTables<'py> = (
-    Vec<Column<'py>>,
-    Vec<Column<'py>>,
+    Vec<NamedColumn<'py>>,
+    Vec<NamedColumn<'py>>,
     (Vec<String>, Bound<'py, PyAny>),
     Bound<'py, PyAny>,
 );
 
 impl FitOptions {
-    /// How tensions enter, by its name in the commands.
+    /// Method of identification by its name in the commands.
     fn method(&self) -> PyResult<Method> {
         match self.method.as_str() {
             "joint" => Ok(Method::Joint),
@@ -110,7 +110,7 @@ impl FitOptions {
     }
 }
 
-/// The identification of a dataset; only one that lists the readings has a table of them.
+/// The identification of a dataset; with a table of its readings only if they are listed.
 pub fn solved(
     py: Python<'_>,
     dataset: &DatasetTexts,

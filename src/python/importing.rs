@@ -16,7 +16,7 @@ use crate::boundary::{detached, error, json, parsed_robot};
 /// Name of a recipe in messages.
 const RECIPE: &str = "recipe";
 
-/// How files are imported.
+/// Options of an import.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct ImportOptions {
@@ -141,14 +141,14 @@ pub fn import_readings(
     Ok((imported.poses_csv, document))
 }
 
-/// The robot that files of other programs describe, and what the operator should know.
+/// The robot that files of other programs describe, and notices for the operator.
 #[pyfunction]
 pub fn import_robot(paths: Vec<PathBuf>) -> PyResult<(String, Vec<String>)> {
     let read = read_robot_description(&paths).map_err(error)?;
     Ok((json(&read.value)?, read.notices))
 }
 
-/// The robot whose cables have these places, and what is assumed of it.
+/// The robot whose cables have these attachment points, and the assumptions.
 #[pyfunction]
 pub fn robot_of_places(
     name: &str,

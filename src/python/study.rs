@@ -47,7 +47,7 @@ pub fn read_study(folder: PathBuf) -> PyResult<String> {
     json(&plan_of(&folder)?)
 }
 
-/// Does one chunk of a study, or all: how many were done, and how many were there.
+/// Runs one chunk of a study, or all; returns the numbers of computed chunks and of those that existed.
 #[pyfunction]
 pub fn run_study(
     py: Python<'_>,
@@ -69,14 +69,14 @@ pub fn run_study(
     Ok((summary.done, summary.found))
 }
 
-/// Name, type in the words of NumPy and bytes of a column.
-type Column<'py> = (&'static str, &'static str, Bound<'py, PyBytes>);
+/// Name, NumPy type and bytes of a column.
+type NumpyColumn<'py> = (&'static str, &'static str, Bound<'py, PyBytes>);
 
-/// The calibrations of the chunks that are there.
+/// The calibrations of all existing chunks.
 #[pyfunction]
-pub fn study_calibrations(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<Column<'_>>> {
+pub fn study_calibrations(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<NumpyColumn<'_>>> {
     let rows = detached(py, |_| calibrations(&folder).map_err(|e| e.to_string()))?;
-    let column = |(name, cells): (&'static str, ParquetCells<'_>)| -> Column<'_> {
+    let column = |(name, cells): (&'static str, ParquetCells<'_>)| -> NumpyColumn<'_> {
         let (kind, bytes) = match cells {
             ParquetCells::F64(all) => (
                 "<f8",

@@ -6,7 +6,7 @@ use pyo3::types::PyBytes;
 use tautline_workflow::exporting::{Cells, Table};
 
 /// Name of a column with its cells: little-endian bytes of numbers, or a list of texts.
-pub type Column<'py> = (String, Bound<'py, PyAny>);
+pub type NamedColumn<'py> = (String, Bound<'py, PyAny>);
 
 /// Numbers as the bytes of NumPy's `<f8`.
 pub fn numbers<'py>(py: Python<'py>, values: impl Iterator<Item = f64>) -> Bound<'py, PyAny> {
@@ -15,7 +15,7 @@ pub fn numbers<'py>(py: Python<'py>, values: impl Iterator<Item = f64>) -> Bound
 }
 
 /// The columns of a table.
-pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Vec<Column<'py>>> {
+pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Vec<NamedColumn<'py>>> {
     let column = |(name, cells): &(String, Cells)| {
         let cells = match cells {
             Cells::Numbers(values) => numbers(py, values.iter().copied()),

@@ -43,7 +43,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
 }
 
-/// Writes a file that only its owner can read, completely or not at all, if there is none yet; the folder is created if
+/// Creates a file that only its owner can read, completely or not at all; the folder is created if
 /// necessary.
 ///
 /// # Errors
@@ -72,8 +72,8 @@ fn replace(
     Output::open(&link_target(path))?.replace(&link_target(path), fill)
 }
 
-/// A text file that is open, with its space on the disk, before its content is known: what cannot be repeated is done only
-/// once its result can be written.
+/// A text file that is opened, with space reserved on the disk, before its content is known, so that a computation or motion
+/// that cannot be repeated starts only if its result can be written.
 #[derive(Debug)]
 pub struct ReservedFile {
     path: PathBuf,
@@ -130,7 +130,7 @@ pub fn reserve(mut file: &fs::File, bytes: u64) -> std::io::Result<()> {
     file.rewind()
 }
 
-/// Where the content of a file goes.
+/// Destination of the content of a file.
 #[derive(Debug)]
 enum Output {
     /// A device or a pipe is written to directly; renaming a file over it would replace it.
@@ -222,13 +222,13 @@ fn remove_stale(folder: &Path) {
     }
 }
 
-/// Whether a name has the form of temporary files.
+/// Whether a name has the form of the names of temporary files.
 pub(crate) fn is_temporary(name: &str) -> bool {
     let letters = name.strip_prefix(PREFIX);
     letters.is_some_and(|l| l.len() == LETTERS && l.bytes().all(|b| b.is_ascii_alphanumeric()))
 }
 
-/// Whether it is a file (not a link) that is no longer being written.
+/// Whether an entry is a file, not a link, that is too old to be still written.
 fn is_stale(entry: &fs::DirEntry) -> bool {
     let metadata = entry.metadata().ok().filter(fs::Metadata::is_file);
     let modified = metadata.and_then(|metadata| metadata.modified().ok());
@@ -305,7 +305,7 @@ mod tests {
         reserved.write_text("text").expect("written");
         assert_eq!(fs::read_to_string(&path).expect("read"), "text");
         assert_eq!(taken(), 4);
-        // What is not written leaves nothing behind, and the old content in its place.
+        // A file that is not written leaves nothing behind, and keeps the old content.
         drop(ReservedFile::create(&path, 100_000).expect("space"));
         assert_eq!((taken(), fs::read(&path).expect("read").len()), (4, 4));
         let nowhere = folder.path().join("nowhere/result.json");

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
 
-/// An error of reading a file, with the place in it.
+/// An error of reading a file, with its location.
 ///
 /// Displays as one sentence on one line:
 /// `poses.csv, line 12, column "rev_3": found "abc", expected a number`.
@@ -15,15 +15,15 @@ use tautline_core::robot::FieldError;
 pub struct ReadError {
     /// The file as the operator named it.
     pub file: String,
-    /// Place in the file.
-    pub place: Place,
-    /// What was found and what was expected.
+    /// Location in the file.
+    pub place: Location,
+    /// Message: what was found, and what was expected.
     pub message: String,
 }
 
-/// A place in a file; lines and columns count from 1.
+/// A location in a file; lines and columns count from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// The file as a whole.
     File,
     /// A line of a text file.
@@ -36,7 +36,7 @@ pub enum Place {
     Pointer(String),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -50,9 +50,9 @@ impl fmt::Display for Place {
 }
 
 impl ReadError {
-    /// An error at a place of `file`, under the name that the operator knows.
+    /// An error at a location in `file`, under the name that the operator knows.
     #[must_use]
-    pub fn new(file: &str, place: Place, message: impl Into<String>) -> Self {
+    pub fn new(file: &str, place: Location, message: impl Into<String>) -> Self {
         Self {
             file: file.into(),
             place,
@@ -61,12 +61,12 @@ impl ReadError {
     }
 
     pub(crate) fn field(file: &str, error: FieldError) -> Self {
-        Self::new(file, Place::Pointer(error.pointer), error.message)
+        Self::new(file, Location::Pointer(error.pointer), error.message)
     }
 
     /// An error of the operating system, in words.
     #[must_use]
-    pub fn io(file: &str, place: Place, error: &std::io::Error) -> Self {
+    pub fn io(file: &str, place: Location, error: &std::io::Error) -> Self {
         use std::io::ErrorKind;
         let message = match error.kind() {
             ErrorKind::NotFound => "not found".into(),
@@ -101,7 +101,7 @@ pub enum WriteError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What cannot be written.
+        /// Reason why the content cannot be written.
         message: String,
     },
 }
@@ -126,7 +126,7 @@ pub(crate) fn fail<T>(
     })
 }
 
-/// Converts an error in a part to an error in the whole that contains the part at `parent`.
+/// Moves the pointer of an error below `parent`, the pointer to the part in which it occurred.
 pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
     FieldError {
         pointer: format!("{parent}{}", error.pointer),

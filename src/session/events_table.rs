@@ -1,4 +1,4 @@
-//! What happened to a robot between its calibrations: `time,event`.
+//! Events in the life of a robot between its calibrations: `time,event`.
 
 use std::io::BufRead;
 
@@ -11,12 +11,12 @@ use crate::table::Table;
 pub const EVENTS: &str = "events.csv";
 const COLUMNS: [&str; 2] = ["time", "event"];
 
-/// A repair, a crash, a new cable: what may have changed the robot.
+/// An event that may have changed the robot: a repair, a crash, a new cable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RobotEvent {
-    /// When it happened.
+    /// Time of the event.
     pub time: Timestamp,
-    /// What happened, in a few words.
+    /// Description in a few words.
     pub text: String,
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use etcetera::BaseStrategy;
 
-use crate::error::{Place, ReadError};
+use crate::error::{Location, ReadError};
 
 /// Environment variable with one folder for everything, in place of those of the operating system.
 const OVERRIDE: &str = "TAUTLINE_HOME";
@@ -78,14 +78,14 @@ impl Folders {
     fn chosen(value: Option<OsString>) -> Option<Result<Self, ReadError>> {
         let folder = value.filter(|value| !value.is_empty())?;
         let absolute = std::path::absolute(folder)
-            .map_err(|error| ReadError::io(OVERRIDE, Place::File, &error));
+            .map_err(|error| ReadError::io(OVERRIDE, Location::File, &error));
         Some(absolute.map(|folder| Self::below(&folder)))
     }
 
     fn of_system() -> Result<Self, ReadError> {
         let base = etcetera::choose_base_strategy().map_err(|_| {
             let message = format!("not found, expected it in the environment or {OVERRIDE}");
-            ReadError::new("home folder", Place::File, message)
+            ReadError::new("home folder", Location::File, message)
         })?;
         let state = base.state_dir().unwrap_or_else(|| base.data_dir());
         Ok(Self {

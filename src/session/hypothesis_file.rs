@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tautline_core::effect::{Hypothesis, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES};
 use tautline_core::robot::Robot;
 
-use crate::error::{Place, ReadError};
+use crate::error::{Location, ReadError};
 use crate::json::read_limited;
 
 /// Folder of hypotheses beside the tables of a dataset, and the ending of their files.
@@ -33,14 +33,14 @@ pub fn read_hypothesis(path: &Path) -> Result<Hypothesis, ReadError> {
 pub fn parse_hypothesis(bytes: &[u8], file: &str) -> Result<Hypothesis, ReadError> {
     if bytes.len() > MAX_HYPOTHESIS_BYTES {
         let message = format!("found more than {MAX_HYPOTHESIS_BYTES} bytes, too large");
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let message = format!("found a byte that is not UTF-8 at {}", error.valid_up_to());
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     })?;
     Hypothesis::parse(text).map_err(|error| {
-        let place = Place::Character(error.line, error.column);
+        let place = Location::Character(error.line, error.column);
         ReadError::new(file, place, error.message)
     })
 }
@@ -53,7 +53,7 @@ pub fn add_hypothesis(robot: &mut Robot, path: &Path) -> Result<(), ReadError> {
     let hypothesis = read_hypothesis(path)?;
     robot.add_hypothesis(&hypothesis).map_err(|error| {
         let file = path.display().to_string();
-        ReadError::new(&file, Place::File, error.to_string())
+        ReadError::new(&file, Location::File, error.to_string())
     })
 }
 
@@ -69,12 +69,12 @@ pub(crate) fn add_hypotheses_beside(robot: &mut Robot, folder: &Path) -> Result<
 }
 
 /// The hypotheses in a folder, such as that of the user, see [`Folders::effects`](crate::Folders::effects). A file that
-/// cannot be used is left out: it belongs to no dataset, so nothing has to wait until it is corrected.
+/// cannot be used is left out with a notice: no dataset depends on it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HypothesisFolder {
     /// The hypotheses with their files, in the order of the names.
     pub hypotheses: Vec<(PathBuf, Hypothesis)>,
-    /// What was left out, one sentence each.
+    /// Notices about files that were left out, one sentence each.
     pub notices: Vec<String>,
 }
 
@@ -115,8 +115,8 @@ impl HypothesisFolder {
         }
     }
 
-    /// Makes the hypotheses known to a robot and returns notices. What the robot carries, or what is beside its dataset, counts
-    /// more than a file here with the same identifier.
+    /// Makes the hypotheses known to a robot and returns notices. A hypothesis of the robot or its dataset takes precedence over
+    /// a file here with the same identifier.
     pub fn add_to(&self, robot: &mut Robot) -> Vec<String> {
         let mut notices = Vec::new();
         for (path, hypothesis) in &self.hypotheses {
@@ -130,8 +130,9 @@ impl HypothesisFolder {
 
 /// The hypothesis files of a folder, in the order of their names; none if there is no folder.
 fn hypothesis_files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let unreadable =
-        |error: &std::io::Error| ReadError::io(&folder.display().to_string(), Place::File, error);
+    let unreadable = |error: &std::io::Error| {
+        ReadError::io(&folder.display().to_string(), Location::File, error)
+    };
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
         entries => entries.map_err(|error| unreadable(&error))?,
@@ -226,7 +227,7 @@ mod tests {
             twice.contains("c.toml: found the hypothesis \"my_cable_slip\" as in "),
             "{twice}"
         );
-        // What the robot carries counts more.
+        // The hypothesis of the robot takes precedence.
         let mut robot = robot();
         let own = text("winch_scale").replace("0.03]", "0.04]");
         let own = parse_hypothesis(own.as_bytes(), "own.toml").expect("one");

@@ -37,7 +37,7 @@ pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
     write_dataset,
 };
-pub use error::{Loaded, Place, ReadError, WriteError, quoted};
+pub use error::{Loaded, Location, ReadError, WriteError, quoted};
 pub use events_table::{EVENTS, RobotEvent, read_events};
 pub use fingerprint::Fingerprint;
 pub use folders::Folders;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::atomic::create_private;
-use crate::error::{Place, ReadError, WriteError};
+use crate::error::{Location, ReadError, WriteError};
 use crate::json::read_limited;
 use crate::pem::{CERTIFICATE, PRIVATE_KEY, decoded, encoded, section};
 
@@ -37,7 +37,7 @@ impl OpcUaKey {
                 "found {} bytes, expected a certificate and a private key in PEM",
                 bytes.len()
             );
-            return Err(ReadError::new(&file, Place::File, message));
+            return Err(ReadError::new(&file, Location::File, message));
         };
         Ok(Some(Self {
             certificate,

@@ -96,7 +96,7 @@ pub struct LastConnection {
 }
 
 impl LastConnection {
-    /// Whether nothing is stored.
+    /// Whether no connection is stored.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()

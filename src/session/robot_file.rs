@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 use tautline_core::robot::{FieldError, Robot};
 
-use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::error::{Loaded, Location, ReadError, WriteError};
 use crate::json::{VersionedFile, parse_versioned, read_limited, read_versioned, write_versioned};
 use crate::sensors::resolve_in_robot;
 use crate::session::Timestamp;
@@ -17,7 +17,7 @@ impl VersionedFile for Robot {
     const KEYS_ARE_CHECKED: bool = true;
 
     fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
-        // It is about the readings, not about the robot: see `read_measured_at`.
+        // It belongs to the readings, not to the robot: see `read_measured_at`.
         document.remove(MEASURED_AT);
         resolve_in_robot(document)
     }
@@ -48,7 +48,7 @@ impl VersionedFile for Robot {
 /// Key of the time when the poses of a dataset were read.
 const MEASURED_AT: &str = "measured_at";
 
-/// When the poses beside a `robot.json` were read, if it says so.
+/// Time at which the poses of a dataset were read, if its `robot.json` states it.
 ///
 /// # Errors
 /// If the file cannot be read or the time is none.
@@ -65,7 +65,7 @@ pub(crate) fn read_measured_at(path: &Path) -> Result<Option<Timestamp>, ReadErr
         }
         other => Err(ReadError::new(
             &file,
-            Place::Pointer(format!("/{MEASURED_AT}")),
+            Location::Pointer(format!("/{MEASURED_AT}")),
             format!(
                 "found {other}, expected a time as in RFC 3339, such as \"2026-03-12T09:30:00Z\""
             ),

@@ -84,7 +84,7 @@ impl VersionedFile for TrustedServers {
 }
 
 impl TrustedServers {
-    /// Reads the file; nobody is trusted if there is none.
+    /// Reads the file; without one, no server is trusted.
     ///
     /// # Errors
     /// If it cannot be read, so that a damaged file is not taken for one in which a server is unknown.

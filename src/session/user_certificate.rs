@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Place, ReadError};
+use crate::error::{Location, ReadError};
 use crate::json::{check_size, read_limited};
 use crate::opcua_key::OpcUaKey;
 use crate::pem::{CERTIFICATE, PRIVATE_KEY, decoded, encoded, section};
@@ -33,7 +33,7 @@ impl UserCertificateFiles {
         })
     }
 
-    /// The same files by paths that hold in any folder, as far as there are paths.
+    /// The same files by absolute paths, where these exist as Unicode.
     #[must_use]
     pub fn absolute(&self) -> Self {
         let absolute = |path: &String| {
@@ -47,14 +47,14 @@ impl UserCertificateFiles {
         }
     }
 
-    /// That other users of the computer can read the private key, if they can.
+    /// A warning if other users of the computer can read the private key.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         exposed_key(Path::new(&self.key))
     }
 }
 
-/// That other users of the computer can read a file with a private key, if they can.
+/// A warning if other users of the computer can read a file with a private key.
 #[must_use]
 pub fn exposed_key(path: &Path) -> Option<String> {
     let key = path.display();
@@ -96,13 +96,13 @@ fn read_certificate(file: &str) -> Result<Vec<u8>, ReadError> {
             "found {} bytes that are no certificate, expected one in DER or PEM",
             bytes.len()
         );
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     })
 }
 
 /// A private key in PEM, whatever form its file has.
 fn read_key(file: &str) -> Result<String, ReadError> {
-    let wrong = |message: String| ReadError::new(file, Place::File, message);
+    let wrong = |message: String| ReadError::new(file, Location::File, message);
     let encrypted = || {
         wrong(format!(
             "found an encrypted private key, expected one without a password: write a copy by `openssl pkey -in {file:?} -out DECRYPTED.pem`, which only you can read, and give that"
@@ -141,7 +141,7 @@ fn read_key(file: &str) -> Result<String, ReadError> {
     }
 }
 
-/// What a private key in DER is.
+/// Form of a private key in DER.
 enum Form {
     Pkcs8,
     Pkcs1,
@@ -159,7 +159,7 @@ fn form(der: &[u8]) -> Option<Form> {
     }
 }
 
-/// What follows kind and length of a value in DER.
+/// Content of a value in DER, after its kind and length.
 fn content(der: &[u8]) -> Option<&[u8]> {
     let [_, length, rest @ ..] = der else {
         return None;

@@ -1,4 +1,4 @@
-//! A chunk: the calibrations of a part of a study as columns of one file, with their origin.
+//! A chunk: the calibrations of one part of a study as columns of a file, with their origin.
 //!
 //! The file is Parquet, `pandas.read_parquet("chunk-3-of-7.parquet")`: one row for each calibration.
 
@@ -17,16 +17,16 @@ use crate::calibration::{Calibration, Outcome};
 use crate::plan::StudyPlan;
 use crate::{StudyError, VERSION};
 
-/// Part `number` of `of` of a study, counted from 1.
+/// Number of a chunk, from 1, and number of chunks into which the study is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Part {
-    /// Number of the part, from 1.
+pub struct ChunkNumber {
+    /// Number of the chunk, from 1.
     pub number: u64,
-    /// Number of parts.
+    /// Number of chunks.
     pub of: u64,
 }
 
-impl Part {
+impl ChunkNumber {
     /// Parses text such as `3/7`.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl Part {
             })
     }
 
-    /// Its half-open range among `all` calibrations; the sizes of parts differ by at most one.
+    /// Half-open range of its calibrations among `all`; the sizes of chunks differ by at most one.
     #[must_use]
     pub fn range(self, all: u64) -> [u64; 2] {
         let before =
@@ -70,8 +70,8 @@ pub struct Origin {
     pub version: String,
     /// Seed of the study.
     pub seed: u64,
-    /// Part of the study.
-    pub part: Part,
+    /// Number of the chunk.
+    pub part: ChunkNumber,
     /// Half-open range of its calibrations.
     pub range: [u64; 2],
     /// Fingerprint of its columns.
@@ -79,9 +79,9 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// The origin of a part of a plan with this fingerprint, computed by this version of the program.
+    /// The origin of a chunk of a plan with this fingerprint, computed by this version of the program.
     #[must_use]
-    pub fn of((plan, fingerprint): (&StudyPlan, &str), part: Part, rows: &Rows) -> Self {
+    pub fn of((plan, fingerprint): (&StudyPlan, &str), part: ChunkNumber, rows: &Rows) -> Self {
         Self {
             study: fingerprint.to_owned(),
             version: VERSION.to_owned(),
@@ -336,7 +336,7 @@ mod tests {
     fn parts_make_the_whole() {
         for (all, of) in [(100, 7), (3, 5), (u64::MAX / 2, 3)] {
             let ranges: Vec<[u64; 2]> = (1..=of)
-                .map(|number| Part { number, of }.range(all))
+                .map(|number| ChunkNumber { number, of }.range(all))
                 .collect();
             assert_eq!((ranges[0][0], ranges[of as usize - 1][1]), (0, all));
             assert!(ranges.windows(2).all(|pair| pair[0][1] == pair[1][0]));
@@ -345,16 +345,19 @@ mod tests {
 
     #[test]
     fn strange_parts_are_refused() {
-        assert_eq!(Part::parse("3/7"), Ok(Part { number: 3, of: 7 }));
+        assert_eq!(
+            ChunkNumber::parse("3/7"),
+            Ok(ChunkNumber { number: 3, of: 7 })
+        );
         for text in ["0/7", "8/7", "3", "a/b", "1/0", "-1/3", ""] {
-            let message = Part::parse(text).expect_err(text);
+            let message = ChunkNumber::parse(text).expect_err(text);
             assert!(
                 message.starts_with(&format!("found {text}, expected")),
                 "{message}"
             );
         }
         assert_eq!(
-            Part { number: 3, of: 120 }.file_name(),
+            ChunkNumber { number: 3, of: 120 }.file_name(),
             "chunk-003-of-120.parquet"
         );
     }

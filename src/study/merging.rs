@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use tautline_session::{read_versioned, write_versioned};
 
 use crate::StudyError;
-use crate::chunk::{Part, Rows, read_chunk};
+use crate::chunk::{ChunkNumber, Rows, read_chunk};
 use crate::plan::{PLAN, StudyPlan};
 use crate::result::{StudyResult, Tallies};
 use crate::run::belongs;
@@ -67,7 +67,7 @@ pub fn read_result(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, Study
 }
 
 /// The chunks in a folder, in order.
-fn present(folder: &Path) -> Result<Vec<(Part, PathBuf)>, StudyError> {
+fn present(folder: &Path) -> Result<Vec<(ChunkNumber, PathBuf)>, StudyError> {
     let fail = |message: String| StudyError::Input(format!("{}: {message}", folder.display()));
     let entries =
         fs::read_dir(folder).map_err(|error| fail(format!("cannot be read ({error})")))?;
@@ -80,7 +80,7 @@ fn present(folder: &Path) -> Result<Vec<(Part, PathBuf)>, StudyError> {
         else {
             continue;
         };
-        let part = Part::parse(&middle.replace("-of-", "/"));
+        let part = ChunkNumber::parse(&middle.replace("-of-", "/"));
         let part = part.ok().filter(|part| part.file_name() == name);
         let part =
             part.ok_or_else(|| fail(format!("found {name}, which is not the name of a chunk")))?;
@@ -91,7 +91,7 @@ fn present(folder: &Path) -> Result<Vec<(Part, PathBuf)>, StudyError> {
 }
 
 /// The chunks in a folder, in order, if they are all parts of one division.
-fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, StudyError> {
+fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(ChunkNumber, PathBuf)>, StudyError> {
     let fail = |message: String| StudyError::Input(format!("{}: {message}", folder.display()));
     let found = present(folder)?;
     if calibrations == 0 && found.is_empty() {

@@ -10,7 +10,7 @@ use tautline_workflow::report::{CoverageInterval, MonteCarlo};
 
 use crate::design::stream;
 
-/// Identifies the values anew from `trials` sets of inputs, each drawn from its distribution around what was measured or stated.
+/// Identifies the values anew from `trials` sets of inputs, each drawn from its distribution about the measured or stated value.
 /// Trials that do not converge are counted, not used.
 #[must_use]
 pub fn monte_carlo(fit: &Identification, trials: usize) -> MonteCarlo {
@@ -63,7 +63,7 @@ fn entry_points(
     change(&mut dataset);
     let problem = fit.options.problem(&dataset, fit.method).ok()?;
     let mut problem = problem.with_effects(fit.free_effects().to_vec());
-    // Deviations are estimated around drawn ones, as the places of the pulleys are around drawn places.
+    // Deviations are estimated about drawn ones, like the positions of the pulleys about drawn positions.
     for deviation in &problem.deviations {
         let mut drawn = deviation.bound.clone();
         for (value, sd) in drawn.values.iter_mut().zip(&deviation.prior_sd) {

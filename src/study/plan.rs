@@ -14,7 +14,7 @@ use tautline_session::{
 use tautline_workflow::machines;
 
 use crate::cell::{Cell, options, robot_of};
-use crate::chunk::Part;
+use crate::chunk::ChunkNumber;
 use crate::design::{Combination, combinations};
 use crate::file::{Choice, StudyFile, check_faults};
 use crate::scaling::size_m;
@@ -182,15 +182,15 @@ impl StudyPlan {
         self.calibrations().div_ceil(self.study.simulation.chunk)
     }
 
-    /// The parts to run: the one named by `chunk`, such as `3/7`, or all of the default division.
+    /// The chunks to run: the one named by `chunk`, such as `3/7`, or all of the default division.
     ///
     /// # Errors
     /// If the text is malformed.
-    pub fn parts(&self, chunk: Option<&str>) -> Result<Vec<Part>, String> {
+    pub fn parts(&self, chunk: Option<&str>) -> Result<Vec<ChunkNumber>, String> {
         let of = self.chunks();
         match chunk {
-            Some(text) => Ok(vec![Part::parse(text)?]),
-            None => Ok((1..=of).map(|number| Part { number, of }).collect()),
+            Some(text) => Ok(vec![ChunkNumber::parse(text)?]),
+            None => Ok((1..=of).map(|number| ChunkNumber { number, of }).collect()),
         }
     }
 

@@ -9,7 +9,7 @@ use tautline_core::estimation::Control;
 
 use crate::calibration::Simulator;
 use crate::cell::Cell;
-use crate::chunk::{Origin, Part, Rows, read_chunk, write_chunk};
+use crate::chunk::{ChunkNumber, Origin, Rows, read_chunk, write_chunk};
 use crate::plan::{PLAN, StudyPlan};
 use crate::{StudyError, VERSION, create_folder};
 
@@ -37,7 +37,7 @@ pub struct Summary {
     pub found: u64,
 }
 
-/// Runs parts of a study on several threads. The observer is called on the calling thread with the number of
+/// Runs chunks of a study on several threads. The observer is called on the calling thread with the number of
 /// finished calibrations; unfinished chunks are lost when it cancels.
 ///
 /// # Errors
@@ -46,7 +46,7 @@ pub struct Summary {
 pub fn run(
     plan: &StudyPlan,
     folder: &Path,
-    parts: &[Part],
+    parts: &[ChunkNumber],
     threads: usize,
     observer: &mut dyn FnMut(u64) -> Control,
 ) -> Result<Summary, StudyError> {
@@ -68,7 +68,7 @@ pub fn run(
 fn work(
     plan: &StudyPlan,
     folder: &Path,
-    parts: &[Part],
+    parts: &[ChunkNumber],
     threads: usize,
     shared: &Shared,
 ) -> Result<Summary, StudyError> {
@@ -123,11 +123,11 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Runs one part; returns whether there was anything to do.
+/// Runs one chunk, unless it exists; returns whether it was computed.
 fn chunk(
     (plan, fingerprint): (&StudyPlan, &str),
     folder: &Path,
-    part: Part,
+    part: ChunkNumber,
     shared: &Shared,
 ) -> Result<bool, StudyError> {
     let path = folder.join(part.file_name());
@@ -178,11 +178,11 @@ fn calibrate(
     Ok(())
 }
 
-/// Checks that a chunk is this part of this study, by this version of the program.
+/// Checks that a chunk has this number in this study, and was computed by this version of the program.
 pub(crate) fn belongs(
     origin: &Origin,
     (plan, fingerprint): (&StudyPlan, &str),
-    part: Part,
+    part: ChunkNumber,
 ) -> Result<(), String> {
     let expect = |what: &str, found: &str, expected: &str| match found == expected {
         true => Ok(()),
@@ -197,7 +197,7 @@ pub(crate) fn belongs(
         &origin.seed.to_string(),
         &plan.study.seed.to_string(),
     )?;
-    let name = |part: Part| format!("{} of {}", part.number, part.of);
+    let name = |part: ChunkNumber| format!("{} of {}", part.number, part.of);
     expect("number", &name(origin.part), &name(part))?;
     let range = |[from, to]: [u64; 2]| format!("{from} to {to}");
     expect(

@@ -20,7 +20,7 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/gallery")
 }
 
-/// The run that all files come from, of a robot with an external instrument.
+/// The run from which all files are made, of a robot with an external instrument.
 ///
 /// # Errors
 /// If the robot cannot be simulated.
@@ -33,7 +33,7 @@ pub fn dataset() -> Result<Dataset> {
     Ok(simulate(&robot, &SimulationOptions::new(20, 12))?.dataset)
 }
 
-/// How a table is written.
+/// Format of a table.
 struct Style {
     separator: &'static str,
     comma: bool,

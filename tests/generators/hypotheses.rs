@@ -1,4 +1,4 @@
-//! The worked example of docs/HYPOTHESES.md: its hypothesis files, and what the commands print.
+//! The worked example of docs/HYPOTHESES.md: its hypothesis files, and the output of its commands.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ pub fn files(page: &str) -> Vec<(String, String)> {
     blocks.filter_map(file).collect()
 }
 
-/// The page with what its commands print now.
+/// The page with the present output of its commands.
 ///
 /// # Errors
 /// If a command fails.

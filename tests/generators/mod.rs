@@ -1,4 +1,4 @@
-//! Writes what the repository keeps and a test compares: sample sessions, pictures, pages with the output of commands.
+//! Writes generated files of the repository that tests compare: sample sessions, pictures, pages with the output of commands.
 
 pub mod gallery;
 pub mod hypotheses;

@@ -17,7 +17,7 @@ const KINDS: [&str; 7] = [
 ];
 /// Robots to draw from.
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
-/// Fields of documents that no two runs share: times.
+/// Fields of documents that differ between any two runs: times.
 const TIMES: [&str; 2] = ["seconds", "time"];
 
 /// Runs the program `runs` times and writes what it answers into `folder`: `NUMBER-KIND.txt` with exit code and messages, and
@@ -191,7 +191,7 @@ impl Run<'_> {
 
     /// `log.csv`: the readings of the dataset with their columns in another order.
     fn shuffle_columns(&mut self) -> Result<()> {
-        // A robot that cannot have the effect was not simulated, and the import of no file is an answer, too.
+        // A robot that cannot have the effect was not simulated; the failed import of a missing file counts as an answer, too.
         let Ok(text) = fs::read_to_string(self.folder.join("data/poses.csv")) else {
             return Ok(());
         };

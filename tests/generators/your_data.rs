@@ -1,4 +1,4 @@
-//! The worked examples of docs/YOUR-DATA.md and docs/MY-ROBOT.md: their files, and what the commands print.
+//! The worked examples of docs/YOUR-DATA.md and docs/MY-ROBOT.md: their files, and the output of the commands.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ pub fn files() -> Result<Vec<(&'static str, String)>> {
     ])
 }
 
-/// A robot of thin wire ropes in a hall, of which a sheet exists.
+/// A robot with thin wire ropes in a hall, described by a sheet.
 fn own_robot() -> Robot {
     let mut robot = Template::Spatial.robot([6.0, 4.0, 3.0]);
     for cable in &mut robot.cables {
@@ -317,7 +317,7 @@ fn commanded(line: &mut String, separator: &str, data: &Measurements, row: usize
     }
 }
 
-/// The page with what its commands print now.
+/// The page with the present output of its commands.
 ///
 /// # Errors
 /// If a command fails.

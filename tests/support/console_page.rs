@@ -1,4 +1,4 @@
-//! Pages with commands and what they print.
+//! Pages with commands and their output.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 
 use crate::support::program::program;
 
-/// The page with what its commands print now in a folder with these files: after `$ tautline ..` in a block `console`, where
-/// anything is shown there.
+/// The page with the present output of its commands in a folder with these files: after `$ tautline ..` in a block `console`,
+/// where any output is shown.
 ///
 /// # Errors
 /// If a command fails.
@@ -33,7 +33,7 @@ pub fn with_outputs(page: &str, files: &[(String, String)]) -> Result<String> {
             let printed = run(command, folder.path())?;
             written.push_str(line);
             written.push('\n');
-            // What is shown is replaced; where nothing is shown the command only has to succeed.
+            // Shown output is replaced; where none is shown, the command only has to succeed.
             shown = lines
                 .peek()
                 .is_some_and(|next| next.starts_with("$ ") || next.starts_with("```"));
@@ -48,7 +48,7 @@ pub fn with_outputs(page: &str, files: &[(String, String)]) -> Result<String> {
     Ok(written)
 }
 
-/// What a command prints on both outputs, without blanks at the ends of lines.
+/// Standard output and standard error of a command, without blanks at the ends of lines.
 fn run(command: &str, folder: &Path) -> Result<String> {
     let output = Command::new(program())
         .args(command.split_whitespace())

@@ -1,4 +1,4 @@
-//! Decisions of a measurement until goals are reached, made again from what was measured.
+//! Decisions of a measurement until goals are reached, repeated from the measured poses.
 
 use std::thread::sleep;
 use std::time::Duration;
@@ -33,7 +33,7 @@ pub fn decisions(session: &Session, request: &UntilRequest) -> Vec<Decision> {
 /// decision.
 ///
 /// # Panics
-/// If one was not.
+/// If a pose was not decided on by those before.
 #[must_use]
 pub fn check_decisions(session: &Session, request: &UntilRequest) -> Decision {
     let measured = &session.measurements;

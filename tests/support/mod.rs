@@ -1,4 +1,4 @@
-//! What suites, generators and tables share: controllers and programs that play a part, and the window without a display.
+//! Support shared by suites, generators and tables: test controllers, the built program, and the window without a display.
 
 pub mod ads;
 pub mod bad_input_cases;

@@ -56,7 +56,7 @@ fn modified(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).ok()?.modified().ok()
 }
 
-/// When the newest file below a folder was changed.
+/// Time of the last change below a folder.
 fn newest(folder: &Path) -> Option<SystemTime> {
     let entries = std::fs::read_dir(folder).ok()?.flatten();
     let times = entries.filter_map(|entry| match entry.file_type().ok()?.is_dir() {
@@ -70,26 +70,26 @@ fn newest(folder: &Path) -> Option<SystemTime> {
 pub struct Answer {
     /// Its exit code; none where it was killed.
     pub code: Option<i32>,
-    /// What it wrote to standard output.
+    /// Standard output.
     pub stdout: String,
-    /// What it wrote to standard error.
+    /// Standard error.
     pub stderr: String,
 }
 
 impl Answer {
-    /// Insists on success.
+    /// Asserts success.
     ///
     /// # Panics
-    /// If there was none.
+    /// If the program failed.
     pub fn succeeded(self) -> Self {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
         self
     }
 
-    /// Insists on bad input: exit code 2, nothing on standard output, one sentence with these parts.
+    /// Asserts bad input: exit code 2, nothing on standard output, one sentence with these parts.
     ///
     /// # Panics
-    /// If it did otherwise.
+    /// If the program did anything else.
     pub fn refused(&self, parts: &[&str]) {
         assert_eq!(self.code, Some(2), "{}{}", self.stdout, self.stderr);
         assert_eq!(self.stdout, "");
@@ -122,7 +122,7 @@ impl From<Output> for Answer {
     }
 }
 
-/// Runs the program; nobody can type there.
+/// Runs the program without standard input.
 ///
 /// # Panics
 /// If it cannot be started.
@@ -135,15 +135,15 @@ pub fn tautline(arguments: &[&str]) -> Answer {
 pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(program());
     command.args(arguments);
-    // Nobody's settings, such as hypotheses of their own, take part.
+    // Settings of a user, such as hypotheses, are not used.
     let absent = format!("tautline-tests-{}", std::process::id());
     command.env("TAUTLINE_HOME", std::env::temp_dir().join(absent));
-    // Nobody's keyring is asked either.
+    // No keyring is used either.
     command.env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/dev/null");
     command
 }
 
-/// Runs a command; nobody can type there.
+/// Runs a command without standard input.
 ///
 /// # Panics
 /// If it cannot be started.
@@ -265,7 +265,7 @@ impl Folder {
         Self(tempfile::tempdir().expect("a folder"))
     }
 
-    /// Where it is.
+    /// Path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.0.path()

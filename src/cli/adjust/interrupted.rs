@@ -11,7 +11,7 @@ use crate::failure::Reservation;
 use crate::live::{Connection, SessionFile, interrupt, link_error};
 use tautline_workflow::adjusting::AdjustmentDocument;
 
-/// What remains to be done after settling.
+/// Remaining step after settling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Next {
     /// Nothing remains to be done.

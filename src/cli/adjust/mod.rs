@@ -86,7 +86,7 @@ impl Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let robot = &arguments.robot_arguments;
     let has_files = arguments.csv.is_some() || arguments.structured_text.is_some();
-    // Whoever arms or rolls back has forgotten the controller.
+    // With --arm or --roll-back, the controller was forgotten.
     let is_for_controller = robot.arm || arguments.roll_back;
     if robot.controller.is_none() && has_files && !is_for_controller {
         return files::write_without_controller(arguments);

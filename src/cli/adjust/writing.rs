@@ -59,7 +59,7 @@ pub fn write(
 ) -> Result<WriteOutcome> {
     interrupt::finish_first()?;
     connection.arm()?;
-    // A run that was killed has not been compared yet, and its values are about to be replaced.
+    // The values of a killed run have not been compared yet, and are about to be replaced.
     let identity = connection.controller.identity();
     let read = ValuesRead {
         controller: &identity,

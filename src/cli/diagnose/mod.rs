@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let diagnosed = model_to_diagnose(&session)
         .and_then(|dataset| Ok(diagnose_with_progress(Arc::new(dataset), (alpha, limit_s))?))
         .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
-    // A model that does not fit the readings may well need extrapolation: what counts is the extended one.
+    // A model that does not fit the readings may need extrapolation; only the extended model counts.
     match extrapolation(&diagnosed.dataset, &diagnosed.diagnosis.extended_solution) {
         Some(place) => Err(BadInput::new(place)),
         None => deliver(arguments, &diagnosed),
@@ -91,7 +91,7 @@ pub fn model_to_diagnose(session: &Session) -> Result<Dataset, IdentificationErr
     Ok(dataset_to_diagnose(session, &identified))
 }
 
-/// Diagnoses at a probability of a false alarm and within a time (s), with a line on the terminal that says how far it is.
+/// Diagnoses at a probability of a false alarm and within a time (s), with a progress line on the terminal.
 pub fn diagnose_with_progress(
     dataset: Arc<Dataset>,
     (alpha, limit_s): (f64, f64),
@@ -102,7 +102,7 @@ pub fn diagnose_with_progress(
     })
 }
 
-/// Writes the files and prints the text that were asked for.
+/// Writes the requested files and prints the text.
 fn deliver(arguments: &Arguments, diagnosed: &Diagnosed) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         let solution = &diagnosed.diagnosis.extended_solution;

@@ -5,7 +5,7 @@ use tautline_workflow::formulas::FormulasDocument;
 use crate::output::say;
 use crate::table;
 
-/// Prints what is unexplained, and the patterns that it looks like.
+/// Prints the unexplained error, and the patterns that it resembles.
 pub fn print(document: &FormulasDocument) {
     if document.unexplained.is_empty() {
         say!("Nothing is unexplained: there is no error that formulas could describe.");

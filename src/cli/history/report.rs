@@ -7,7 +7,7 @@ use tautline_workflow::history::{
 use crate::output::say;
 use crate::table::{self, mm};
 
-/// Prints one row for each session, then what changed and when to calibrate again.
+/// Prints one row for each session, then the changes and the date of the next calibration.
 pub fn print(record: &RobotRecord, found: &RobotHistory) {
     say!("{}", record.title());
     let mut table = table::numbers(&[

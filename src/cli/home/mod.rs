@@ -155,7 +155,7 @@ fn returned(
         }
     }
     if *choice == ControllerChoice::Simulated {
-        // The controller keeps the home pose it assumes, whatever the session finds.
+        // The controller keeps its own home pose, independent of the measured one.
         let parameters = connection.controller.parameters().map_err(link_error)?;
         file.session.controller = held(&parameters);
     }

@@ -123,7 +123,7 @@ fn print_suspects(suspects: &[String]) {
     }
 }
 
-/// Whether the model explains the data, in words.
+/// Verdict on the fit of the model, in words.
 fn adequacy(identification: &IdentificationDocument) -> String {
     let (chi2, dof) = (identification.chi2, identification.dof);
     let figures = format!("chi-square {chi2:.1} for {dof:.0} degrees of freedom");

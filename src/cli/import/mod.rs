@@ -81,7 +81,7 @@ pub struct Arguments {
     json: JsonOutput<ImportDocument>,
 }
 
-/// Which files are read, and how to get what this build leaves out.
+/// Help on the formats that are read, and advice for those that this build leaves out.
 fn sources_help() -> String {
     let (more, left_out) = match HAS_MORE_FORMATS {
         true => (", .h5, .mcap, .bag", ""),
@@ -194,7 +194,7 @@ fn read(sources: &[PathBuf], budget: &MemoryBudget) -> Result<Loaded<Vec<Source>
     })
 }
 
-/// Whether all sources describe a robot. The reader of readings rejects a mixture.
+/// Whether all sources are robot descriptions. The reader of readings rejects a mixture.
 fn describes_robot(sources: &[PathBuf]) -> Result<bool> {
     for source in sources {
         if source.is_dir() || !is_robot_description(source)? {
@@ -229,7 +229,7 @@ fn robot_description(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The robot, and the file to copy it from.
+/// The robot, and the file from which it is copied.
 struct RobotToUse {
     robot: Robot,
     is_in_folder: bool,

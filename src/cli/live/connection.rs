@@ -128,8 +128,8 @@ impl Connection {
         }
     }
 
-    /// Whether time stands still for a moment while something is computed: otherwise hours would pass meanwhile for a robot
-    /// that runs as fast as it can be computed.
+    /// Whether time stands still during a computation. For a robot that runs as fast as it can be computed, hours would
+    /// otherwise pass meanwhile.
     pub fn stands_still(&self) -> bool {
         let stands = self.pace == Pace::Computed;
         if stands {

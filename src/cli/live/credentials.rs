@@ -1,4 +1,4 @@
-//! Certificate, trusted servers and password of the user, for controllers that ask who connects.
+//! Certificate, trusted servers and password of the user, for controllers with authentication.
 
 use std::env;
 use std::io::IsTerminal;
@@ -46,7 +46,7 @@ impl PasswordArguments {
     }
 }
 
-/// Where a password is from.
+/// Source of a password.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Source {
     Environment,
@@ -61,9 +61,9 @@ struct Given {
     source: Source,
 }
 
-/// What the user brings along to a controller.
+/// Credentials of the user for a controller.
 pub struct SignIn {
-    /// The setup with it.
+    /// The setup of the connection with the credentials.
     pub setup: ConnectionSetup,
     given: Option<Given>,
     passwords: Option<Arc<dyn PasswordStore>>,
@@ -71,7 +71,7 @@ pub struct SignIn {
 }
 
 impl SignIn {
-    /// Collects what a controller may ask for; a password is that of the environment, else of the keyring, else as typed.
+    /// Collects the credentials for a controller; the password is taken from the environment, else from the keyring, else typed.
     pub fn of(setup: &ConnectionSetup, arguments: &PasswordArguments) -> Result<Self> {
         if !setup.asks_who_connects() {
             return Ok(Self {
@@ -98,7 +98,7 @@ impl SignIn {
         })
     }
 
-    /// Keeps the password, which the controller has accepted, if that was wanted.
+    /// Keeps the password that the controller has accepted, if requested.
     pub fn accepted(&self) {
         let (Some(given), Some(passwords)) = (&self.given, &self.passwords) else {
             return;
@@ -109,12 +109,12 @@ impl SignIn {
         let user = &given.account.user;
         match passwords.save(&given.account, &given.password) {
             Ok(()) => note!("the password of {user:?} is in the keyring of the desktop"),
-            // The controller is connected: what the command is for goes on.
+            // The controller is connected: the command continues.
             Err(error) => message(format!("The password of {user:?} was not kept: {error}")),
         }
     }
 
-    /// The refusal of a connection, with what to do about a password of the keyring.
+    /// The refusal of a connection, with advice for a password of the keyring.
     pub fn refused(&self, error: LinkError) -> anyhow::Error {
         let is_stored = self
             .given
@@ -130,7 +130,7 @@ impl SignIn {
     }
 }
 
-/// The password of a user, from wherever there is one.
+/// The password of a user from the first source that has one.
 fn give(
     account: Account,
     arguments: &PasswordArguments,
@@ -146,7 +146,7 @@ fn give(
         }
     }
     let given = env::var(PASSWORD).ok();
-    // Whoever wants it kept learns that this is impossible before anything is asked or sent.
+    // If the password cannot be kept as requested, this is reported before anything is asked or sent.
     let stored = match given.is_none() || arguments.save_password {
         true => passwords.find(&account),
         false => Ok(None),
@@ -169,9 +169,9 @@ fn give(
     })
 }
 
-/// The password as typed, which no terminal shows; `error` is why the keyring was of no use.
+/// The password typed by the user without echo; `error` is the reason why the keyring could not be used.
 fn typed(user: &str, error: Option<&PasswordStoreError>) -> Result<Password> {
-    // It is asked for on the terminal itself, whatever standard input and output are; without anybody there is no answer.
+    // The question is on the terminal itself, independent of standard input and output; without a terminal nobody can answer.
     let has_somebody = std::io::stdin().is_terminal() || std::io::stderr().is_terminal();
     if has_somebody {
         if let Some(error) = error {

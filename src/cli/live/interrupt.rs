@@ -8,7 +8,7 @@ use tautline_core::estimation::Control;
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
-/// Whether the current work runs to its end despite interrupts, because it takes a bounded time.
+/// Whether the current work runs to its end despite interrupts, which it does if its time is bounded.
 static FINISHES: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a program that was interrupted twice.

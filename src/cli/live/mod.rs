@@ -53,7 +53,7 @@ pub struct LinkArguments {
 }
 
 impl LinkArguments {
-    /// Sets what was given in the session's settings; returns whether they have changed.
+    /// Sets the given values in the session's settings; returns whether they have changed.
     pub fn take(&self, session: &mut Session, choice: &ControllerChoice) -> Result<bool> {
         let before = session.connection.clone();
         if let Some(timeout_s) = self.timeout {

@@ -35,7 +35,7 @@ pub enum RunEnd {
     Finished,
     /// The requested precision is reached.
     GoodEnough,
-    /// A decision ended it; why, in a few words.
+    /// A decision ended it; the reason in a few words.
     Decided(&'static str),
     /// The operator interrupted it.
     Interrupted,
@@ -56,9 +56,9 @@ pub struct RunOutcome {
     pub skipped: Vec<(i64, String)>,
     /// Largest standard deviation of a coordinate that results from the readings (m), if it was requested.
     pub largest_sd_m: Option<f64>,
-    /// Whether the controller was restarted, so that this series cannot be continued.
+    /// Whether the controller was restarted: the series cannot be continued then.
     pub restarted: bool,
-    /// What somebody else changed in the controller while poses were measured, one sentence each.
+    /// Changes of the controller's values by somebody else while poses were measured, one sentence each.
     pub foreign_writes: Vec<String>,
     /// Goals and decisions, if it measures until it is certain.
     pub until: Option<UntilDocument>,
@@ -293,7 +293,7 @@ impl Drive {
         self.tell_foreign_write(text, file);
     }
 
-    /// Says that somebody else changed values of the controller.
+    /// Reports that somebody else changed values of the controller.
     fn tell_foreign_write(&mut self, text: Option<String>, file: &mut SessionFile) {
         if let Some(text) = text {
             note!("{text}");

@@ -197,7 +197,7 @@ fn check(file: &SessionFile, robot: Option<&str>, choice: &ControllerChoice) -> 
     Ok(())
 }
 
-/// Rejects --controller sim for a session of a real robot, about which simulated readings would say nothing.
+/// Rejects --controller sim for a session of a real robot, for which simulated readings are meaningless.
 pub fn require_simulated(session: &Session, choice: &ControllerChoice, place: &str) -> Result<()> {
     if *choice == ControllerChoice::Simulated && session.simulator.is_none() {
         return Err(BadInput::new(format!(
@@ -217,8 +217,8 @@ pub fn refuse_unsettled(session: &Session, place: &str) -> Result<()> {
     }
 }
 
-/// What the poses measured so far lack to determine the robot; `None` if they do: even without the drawing, which counts as
-/// one reading per parameter, there are more readings than unknowns, and they leave nothing undetermined.
+/// Reason why the poses measured so far do not determine the robot; `None` if they do: even without the drawing, which counts
+/// as one reading per parameter, there are more readings than unknowns, and no parameter remains undetermined.
 fn lacking(session: &Session) -> Option<String> {
     let quiet = &mut |_: &_| tautline_core::estimation::Control::Continue;
     let Identification { solution, open, .. } = match identify_session(session, quiet) {

@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The machine of that name, in the size that was asked for.
+/// The machine of that name in the requested size.
 fn machine(arguments: &Arguments) -> Result<Machine> {
     let name = &arguments.name;
     let given = [

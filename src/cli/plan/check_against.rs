@@ -13,16 +13,16 @@ use crate::input;
 use crate::output::say;
 use crate::table::{self, mm};
 
-/// What a check is to detect.
+/// Faults that a check has to detect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Detect {
-    /// A pulley that moved so far (m).
+    /// A pulley that moved by this distance (m).
     Move(f64),
-    /// Faults, seen and told from each other.
+    /// All faults, detected and separated from each other.
     Faults,
 }
 
-/// What `--detect` states.
+/// Parses the value of `--detect`.
 pub fn detect(text: &str) -> Result<Detect> {
     let number = text.strip_suffix("mm");
     let number = number.map(|number| number.trim().parse::<f64>());
@@ -37,7 +37,7 @@ pub fn detect(text: &str) -> Result<Detect> {
     }
 }
 
-/// The poses of a check with what it would find.
+/// The poses of a check with the predicted detection of faults.
 pub struct CheckPlan {
     pub robot: Robot,
     pub planned: Plan,
@@ -78,7 +78,7 @@ fn detection(expected: &Checked, detect: Option<Detect>) -> Vec<DetectionDocumen
     found.collect()
 }
 
-/// Prints what the check would find.
+/// Prints the faults that the check would detect.
 pub fn print(detection: &[DetectionDocument]) {
     let is_asked = detection.iter().any(|one| one.probability.is_some());
     let mut columns = vec!["Pulley of", "found with 95 % mm"];

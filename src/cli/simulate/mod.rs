@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         true => phases::tables(&mut run, &options).map_err(failed)?,
         false => PhaseData::default(),
     };
-    // Only the true robot knows what is hidden.
+    // Only the true robot contains the hidden effects.
     run.dataset.robot.hypotheses = described;
     write_dataset(&arguments.out, &run.dataset, &phases)?;
     write_robot(&arguments.out.join(TRUTH), &run.truth)?;

@@ -97,7 +97,7 @@ pub fn run(command: &Command) -> Result<()> {
     }
 }
 
-/// How far a study is, on the terminal.
+/// Progress of a study on the terminal.
 struct Progress {
     what: &'static str,
     began: Instant,

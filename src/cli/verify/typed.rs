@@ -17,7 +17,7 @@ impl Target {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).0 = name;
     }
 
-    /// Whether nothing was typed at the last target.
+    /// Whether the operator typed no readings at the last target.
     pub fn is_missed(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).1
     }

@@ -209,7 +209,9 @@ impl<'l> ErrorSearch<'l> {
             information[(k, k)] += of_prior;
         }
         let mean = information.cholesky().map(|factor| factor.solve(&score));
-        let chi2 = mean.map_or(0.0, |mean| mean.dot(&score) - of_prior * mean.norm_squared());
+        let chi2 = mean.map_or(0.0, |mean| {
+            mean.dot(&score) - of_prior * mean.norm_squared()
+        });
         let variances = target.classes.iter().map(|k| fit.hyper.variance[*k]);
         let classes = target.classes.len() as f64;
         let variance = variances.sum::<f64>() / classes;

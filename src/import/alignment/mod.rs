@@ -14,7 +14,7 @@ mod fit;
 mod tests;
 
 use tautline_core::robot::Robot;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use crate::cutting::{Times, main_series};
 use crate::recipe::{Clock, Mapping, Recipe, resolve};
@@ -73,7 +73,7 @@ pub fn align_clocks(
     robot: &Robot,
 ) -> Result<Vec<AlignedClock>, ReadError> {
     let file = sources.first().map_or("", |source| source.file.as_str());
-    let fail = |message: String| ReadError::new(file, Place::File, message);
+    let fail = |message: String| ReadError::new(file, Location::File, message);
     let mapping = resolve(sources, recipe, "the recipe", robot.cable_count())?;
     let main = main_series(&mapping);
     let reference = recording(&mapping, main, recipe).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! A point on eight cables whose motion is a sum of sines, recorded twice: nothing of the program is used to make it.
+//! A point on eight cables whose motion is a sum of sines, recorded twice, computed independently of the program.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-/// What the second recorder's clock is off by.
+/// True clock error of the second recorder.
 #[derive(Clone, Copy)]
 struct Truth {
     offset_s: f64,
@@ -87,7 +87,7 @@ fn offset_and_drift_are_found_within_their_standard_deviations() {
             (fit.offset_s - offset).abs() < 1e-3,
             "{seed}: {fit:?}, {offset}"
         );
-        // Leaving out a part of the recording costs the polynomial some of its hold, so that these are rather too large.
+        // Leaving out a part of the recording weakens the polynomial, so that these are rather too large.
         assert!(fit.offset_sd_s < 1.5e-3, "{seed}: {fit:?}");
         // 95 % of Student's t with 11 degrees of freedom.
         within[0] += u32::from((fit.offset_s - offset).abs() < 2.20 * fit.offset_sd_s);
@@ -164,7 +164,7 @@ fn the_recipe_takes_the_clock_of_the_second_series() {
     });
     recipe.channels.extend(measured);
     for _ in 0..2 {
-        // Aligning again finds the same, not what is left.
+        // A second alignment finds the same clock, not a remainder.
         let found = align_clocks(&sources, &mut recipe, &robot).expect("aligned");
         assert_eq!(found.len(), 1);
         assert!(

@@ -8,13 +8,13 @@ use tautline_core::robot::Robot;
 
 use super::{Readings, lengths};
 use crate::external::other_frame;
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Expected readings by column, and the poses at which they are computed.
 pub(super) struct Expected {
     /// Pose of each row, if known.
     pub poses: Vec<Option<Pose>>,
-    /// Whether the poses are computed from the readings of the winches, and so have part of their errors.
+    /// Whether the poses are computed from the readings of the winches, whose errors they share in part.
     pub from_lengths: bool,
     columns: BTreeMap<Quantity, Vec<f64>>,
 }
@@ -116,7 +116,7 @@ impl Expected {
     }
 }
 
-/// Where the poses come from at which readings are expected.
+/// Source of the poses for which readings are predicted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum PoseSource {
     Commanded,
@@ -124,7 +124,7 @@ enum PoseSource {
     Lengths,
 }
 
-/// Poses that the lengths of the cables have, where measured poses do not serve: there are none, or they are in another frame.
+/// Poses computed from the cable lengths if measured poses are missing or in another frame.
 fn from_lengths(
     readings: &Readings,
     robot: &Robot,

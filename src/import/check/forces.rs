@@ -9,7 +9,7 @@ use tautline_core::robot::{Robot, STANDARD_GRAVITY_M_S2};
 
 use super::expected::Expected;
 use super::{Change, FEWEST, Readings, Suggestion};
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Factors from other units to newtons.
 const UNITS: [(f64, &str); 4] = [
@@ -18,7 +18,7 @@ const UNITS: [(f64, &str); 4] = [
     (1e-3, "millinewtons"),
     (1.0 / STANDARD_GRAVITY_M_S2, "newtons multiplied by g"),
 ];
-/// Smallest share of its stated mass that a platform may have: no guess is further off.
+/// Smallest true mass of a platform as a fraction of the stated one: no guess is further off.
 const LIGHTEST: f64 = 0.02;
 /// Relative tolerance within which a factor counts as a known one.
 const FACTOR: f64 = 0.2;

@@ -11,7 +11,7 @@ use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};
 use tautline_core::robot::Robot;
 
 use super::{FITS, Readings, factors};
-use crate::recipe::Kind;
+use crate::recipe::QuantityKind as Kind;
 
 /// Number of rows by which assumptions are compared: with two redundant cables, 12 rows have 24 contradictions.
 const COMPARED: usize = 12;
@@ -24,7 +24,7 @@ const RESIDUAL: f64 = 0.02;
 /// Starts of forward kinematics; under a wrong assumption no start fits.
 const STARTS: usize = 2;
 
-/// What is assumed of the channels: which channel each cable has, and how many times too large its readings are.
+/// Assumption about the channels: the channel of each cable, and the factor by which its readings are too large.
 #[derive(Clone)]
 struct Assumption {
     channels: Vec<usize>,
@@ -46,7 +46,7 @@ impl Assumption {
         changed
     }
 
-    /// All that have one more mistake: a sign or unit of one channel or of all, or two channels that are exchanged.
+    /// All assumptions with one more mistake: a sign or unit of one channel or of all, or two exchanged channels.
     fn with_one_more(&self, kind: Kind) -> Vec<Self> {
         let cables = self.channels.len();
         let units = factors(kind).iter().flat_map(|(f, _)| [*f, 1.0 / f]);
@@ -103,7 +103,7 @@ pub(super) fn poses(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pos
     Some(lengths.all(&best, readings))
 }
 
-/// Poses that the lengths have if no channel is wrong, which only redundant cables would show.
+/// Poses computed from the lengths as read. Only redundant cables would show a wrong channel.
 pub(super) fn poses_as_read(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pose>>> {
     let lengths = Lengths::of(readings, robot)?;
     Some(lengths.all(&Assumption::none(robot.cable_count()), readings))
@@ -195,7 +195,7 @@ impl<'a> Lengths<'a> {
         Some(-redundant * (0.5 * squares.ln() + own_unit))
     }
 
-    /// Whether the residuals are small beside the changes of length.
+    /// Whether the residuals are small compared with the changes of length.
     fn fit(&self, assumed: &Assumption, rows: &[usize]) -> bool {
         let Some([squares, redundant]) = self.squares(assumed, rows) else {
             return false;

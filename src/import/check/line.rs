@@ -52,7 +52,7 @@ pub(crate) fn fit(expected: &[f64], readings: &[f64]) -> Option<Line> {
             .copied()
             .filter(|pair| off(pair) <= limit)
             .collect();
-        // More than a few cannot be outliers.
+        // More than a fifth of the readings cannot be outliers.
         if near.len() == before || near.len() * 10 < before * 8 {
             break;
         }
@@ -103,7 +103,7 @@ pub(super) fn best_step(expected: &[f64], readings: &[f64]) -> Option<Step> {
     })
 }
 
-/// Rows at which readings in turns jump by whole ones, each with the jump, where nothing else is wrong with them: they are off by
+/// Rows at which readings in turns jump by whole turns, each with the jump, if the readings are right otherwise: they are off by
 /// less than a third of a turn besides, and the jumps are few.
 pub(super) fn whole_turns(expected: &[f64], readings: &[f64]) -> Vec<(usize, f64)> {
     let mut jumps: Vec<(usize, f64)> = Vec::new();

@@ -20,7 +20,7 @@ use tautline_core::robot::Robot;
 
 use crate::external::other_frame;
 use crate::median::median;
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 use expected::Expected;
 pub use line::Line;
 pub(crate) use line::fit;
@@ -31,10 +31,10 @@ pub use suggestion::{Change, Mistake, Suggestion};
 const FEWEST: usize = 6;
 /// A channel fits if the scatter about its line is below this fraction of its own scatter.
 const FITS: f64 = 0.25;
-/// A channel is another cable's if its scatter about the line of that is so many times smaller: what places of pulleys that are wrong
-/// by centimetres leave is alike for both.
+/// A channel is another cable's if its scatter about the line of that cable is smaller by this factor: errors of pulleys by
+/// centimetres cause similar scatter for both.
 const APART: f64 = 3.0;
-/// An offset of a cable above this share of the frame is a piece of cable, if it is this many times the usual one.
+/// An offset of a cable above this share of the frame is a piece of cable, if it is larger than the usual one by this factor.
 const EXTENSION: f64 = 0.05;
 const EXTENSIONS_APART: f64 = 10.0;
 /// Share of an offset within which half of its values lie, if it is constant.
@@ -127,7 +127,7 @@ impl Readings {
     }
 }
 
-/// What the check finds in a table of poses.
+/// Result of the check of a table of poses.
 #[derive(Debug, Clone)]
 pub struct TableCheck {
     /// Mistakes, with corrections.
@@ -189,12 +189,12 @@ fn suggestions(readings: &Readings, expected: &Expected, robot: &Robot) -> Vec<S
                         && suggestion.columns.contains(&quantity.column())
                 })
             };
-            let columns: Vec<Column<'_>> = readings
+            let columns: Vec<Comparison<'_>> = readings
                 .of(kind)
                 .into_iter()
                 .filter(|(quantity, _)| !is_dead(quantity))
                 .filter_map(|(quantity, values)| {
-                    Some(Column {
+                    Some(Comparison {
                         quantity,
                         values,
                         expected: expected.column(quantity)?,
@@ -216,7 +216,7 @@ fn suggestions(readings: &Readings, expected: &Expected, robot: &Robot) -> Vec<S
 }
 
 /// A column with its expected values.
-struct Column<'a> {
+struct Comparison<'a> {
     quantity: Quantity,
     values: &'a [f64],
     expected: &'a [f64],
@@ -235,7 +235,7 @@ fn factors(kind: Kind) -> &'static [(f64, &'static str)] {
     }
 }
 
-/// Factors by which a channel differs whose drive counts otherwise.
+/// Factors of a channel whose drive has another number of counts per revolution.
 const COUNTS: [(f64, &str); 4] = [
     (2.0, COUNTED),
     (4.0, COUNTED),
@@ -281,8 +281,7 @@ fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
     }
 }
 
-/// The first of the rows, up to the last, at which the readings no longer change; the number of rows if they never do, `None` if
-/// they do at the end.
+/// The row from which on the readings stay constant; the number of rows if all are equal, `None` if they vary until the end.
 fn constant_from(values: &[f64]) -> Option<usize> {
     let there: Vec<usize> = (0..values.len())
         .filter(|row| !values[*row].is_nan())
@@ -385,7 +384,7 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
 
 /// Compares the columns of a kind with their expected values.
 fn compare(
-    columns: &[Column<'_>],
+    columns: &[Comparison<'_>],
     readings: &Readings,
     expected: &Expected,
     robot: &Robot,
@@ -408,7 +407,7 @@ fn compare(
     let mut exchanged = vec![false; columns.len()];
     for i in 0..columns.len() {
         for j in 0..i {
-            // Whichever way a channel runs, the values of another cable fit it many times better than its own.
+            // With either sign, the values of another cable fit the channel many times better than its own.
             let fits = |value: usize, expected: usize| {
                 let Some(as_other) = fit(columns[expected].expected, &values[value]) else {
                     return false;
@@ -441,7 +440,7 @@ fn compare(
 
 /// Finds encoder steps and removes them from the values.
 fn steps(
-    column: &Column<'_>,
+    column: &Comparison<'_>,
     values: &mut [f64],
     readings: &Readings,
     robot: &Robot,
@@ -505,7 +504,7 @@ fn steps(
 
 /// Finds a cable that is longer by the same large amount at all poses, as by a piece that robot.json does not state.
 fn extensions(
-    columns: &[Column<'_>],
+    columns: &[Comparison<'_>],
     fitting: &[(usize, Line)],
     robot: &Robot,
     found: &mut Vec<Suggestion>,
@@ -554,7 +553,7 @@ fn extensions(
     }
 }
 
-fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+fn signs(columns: &[Comparison<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
     // Distances and lengths have no sign that could be reversed, but one that is wrong.
     let may_be_reversed = |k: usize| match columns[k].quantity.kind {
         Kind::Laser | Kind::Length => {
@@ -588,7 +587,7 @@ fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
     }
 }
 
-fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+fn units(columns: &[Comparison<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
     let Some(kind) = columns.first().map(|column| column.quantity.kind) else {
         return;
     };
@@ -628,7 +627,7 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
 }
 
 /// Finds a ratio by which the readings of all winches differ, as those of a machine with other drums or gears.
-fn other_drums(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+fn other_drums(columns: &[Comparison<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
     let slopes = fitting.iter().map(|(_, line)| line.slope);
     let Some(ratio) = median(slopes.clone()).filter(|ratio| *ratio > 0.0) else {
         return;

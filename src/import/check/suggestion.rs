@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::measurement::Measurements;
 
 use crate::external::align_measured;
-use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
+use crate::recipe::{Assignment, Clock, Quantity, QuantityKind as Kind, Recipe, Step};
 
 /// Kind of a mistake in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -33,7 +33,7 @@ pub enum Mistake {
 }
 
 impl Mistake {
-    /// Whether the recipe states the sign, unit or channel that is wrong.
+    /// Whether the mistake is a wrong sign, unit or channel in the recipe.
     #[must_use]
     pub fn is_of_channel(self) -> bool {
         matches!(self, Self::WrongUnit | Self::ReversedSign | Self::Exchanged)
@@ -143,7 +143,7 @@ impl Suggestion {
         )
     }
 
-    /// Whether it concerns columns of a kind.
+    /// Whether the suggestion concerns a column of this quantity.
     pub(super) fn is_of(&self, kind: Kind) -> bool {
         self.columns
             .iter()

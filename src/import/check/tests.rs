@@ -43,7 +43,7 @@ fn swap(readings: &mut Readings, kind: Kind, i: usize, j: usize) {
 
 const SEEDS: std::ops::Range<u64> = 100..120;
 
-/// What a mistake is called, how it is made, and the column that the suggestion has to name first.
+/// Name of a mistake, function that makes it, its kind, and the first column that the suggestion has to name.
 type Planted = (&'static str, fn(&mut Readings), Mistake, &'static str);
 
 const PLANTED: [Planted; 15] = [
@@ -304,7 +304,7 @@ fn a_piece_of_cable_is_found_and_a_sound_table_of_lengths_has_none() {
     }
 }
 
-/// What is suggested for a table, applied to it, gives back the table without the mistake.
+/// The suggestion for a table, applied to the table, undoes the mistake.
 #[test]
 fn a_correction_undoes_the_mistake_in_the_table() {
     let robot = presets::find("mini").expect("a preset").robot;

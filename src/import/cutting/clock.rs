@@ -1,6 +1,6 @@
 //! Times of the rows of a series.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use crate::median::median;
 use crate::recipe::{Mapping, Recipe, is_series};
@@ -97,7 +97,7 @@ impl Times {
             let message = format!(
                 "the series {series} has no times, expected a channel assigned to time_s {what_for}"
             );
-            ReadError::new(file, Place::File, message)
+            ReadError::new(file, Location::File, message)
         })
     }
 

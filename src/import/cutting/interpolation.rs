@@ -5,8 +5,8 @@ use crate::values::Values;
 /// Steps longer than this multiple of the usual step are gaps, across which nothing is interpolated.
 const GAP: f64 = 3.0;
 
-/// Value at a time (s) by the cubic through the four samples around it, at the ends through those that there are; nothing where a sample beside
-/// it is missing or too far.
+/// Value at a time (s) by the cubic through the four samples around it, fewer at the ends; `None` if a neighbouring sample
+/// is missing or too far.
 pub(super) fn value_at(time_s: &[f64], values: &Values, usual_s: f64, at_s: f64) -> Option<f64> {
     let after = time_s.partition_point(|time| *time < at_s);
     if time_s.get(after) == Some(&at_s) {

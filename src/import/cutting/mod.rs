@@ -9,10 +9,12 @@ use std::ops::Range;
 
 use tautline_core::measurement::{SampledChannel, follows_a_motion};
 use tautline_core::robot::Robot;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use crate::memory::MemoryBudget;
-use crate::recipe::{Cutting, Kind, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
+use crate::recipe::{
+    Cutting, Mapped, Mapping, Quantity, QuantityKind as Kind, Recipe, Rest, resolve,
+};
 use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
@@ -37,7 +39,7 @@ pub(crate) struct CutPose {
     pub time_s: Option<[f64; 2]>,
     /// First row in the main series.
     pub first_row: usize,
-    /// Number of its rows.
+    /// Number of rows of the pose.
     pub rows: usize,
     /// Means of the quantities.
     pub readings: BTreeMap<Quantity, Averaged>,
@@ -52,12 +54,12 @@ pub(crate) struct Averaged {
     pub number: usize,
 }
 
-/// Whether a series has the times and the length of a recording.
+/// Whether a series has at least the number of rows of a recording.
 pub(crate) fn is_recording(series: &Series) -> bool {
     series.rows >= RECORDING
 }
 
-/// Whether the recipe yields poses at rest: several standstills, and far fewer than rows.
+/// Whether a recording has poses at rest: several standstills, with more than five rows each on average.
 pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -72,7 +74,7 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
     rests.len() >= FEWEST_RESTS && rests.len() * 5 < time_s.len()
 }
 
-/// Whether the rows of the series of the cables are samples of a motion.
+/// Whether the rows of the main series are samples of a motion.
 pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -93,7 +95,7 @@ pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Rob
     let channels: Vec<SampledChannel<'_>> = (moving.iter())
         .map(|(value, sd)| SampledChannel { value, sd: *sd })
         .collect();
-    // While no channel that moves is assigned, nothing tells: rows with times are then samples.
+    // As long as no channel that varies with the pose is assigned, rows with times count as samples.
     let moves = || channels.is_empty() || follows_a_motion(&time_s, &channels);
     is_recording(mapping.series[main]) && moves()
 }
@@ -133,7 +135,7 @@ pub(crate) fn cut(
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
         let message = "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let main = main_series(mapping);
     let all: Vec<Times> = (0..mapping.series.len())
@@ -170,7 +172,7 @@ pub(crate) fn cut(
                     "found no standstill of {} s in {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or \"motion\" as the cutting of a recording in motion",
                     rest.minimum_s
                 );
-                return Err(ReadError::new(file, Place::File, message));
+                return Err(ReadError::new(file, Location::File, message));
             }
             let kept: usize = found.iter().map(Range::len).sum();
             notices.push(format!("{} standstills with {kept} of {rows} rows; the other rows, in motion or settling, are not used", found.len()));
@@ -182,7 +184,7 @@ pub(crate) fn cut(
     let taken = budget.temporary().take(READING * readings as u64);
     taken.map_err(|over| {
         let message = format!("a table of {} poses {over}", ranges.len());
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     })?;
     let mut poses = Vec::with_capacity(ranges.len());
     for range in &ranges {
@@ -208,7 +210,7 @@ fn by_labels(
     let Some((_, label)) = label else {
         let message =
             "cutting by labels needs a channel assigned to pose in the series of the cables";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     };
     let series = mapping.series[main];
     let same = |row: usize| match label.is_text {
@@ -367,7 +369,7 @@ fn other_rows(
         quoted(&series.name),
         series.rows
     );
-    Err(ReadError::new(file, Place::File, message))
+    Err(ReadError::new(file, Location::File, message))
 }
 
 /// Whether two labels denote one pose: equal, or with the same number, such as P7 and 7.
@@ -387,7 +389,7 @@ pub(crate) fn number_of(label: &str) -> Option<i64> {
     }
 }
 
-/// Mean and standard deviation of the values that there are. The mean of equal values is that value, to the last digit.
+/// Mean and standard deviation of the existing values. The mean of equal values is exactly that value.
 fn average(values: impl Iterator<Item = f64>) -> Option<Averaged> {
     let mut there = values.filter(|value| !value.is_nan());
     let first = there.next()?;

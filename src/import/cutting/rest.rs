@@ -11,7 +11,7 @@ use tautline_core::robot::Robot;
 
 use super::clock::usual_step;
 use crate::median::median;
-use crate::recipe::{Kind, Mapping, Quantity, Rest};
+use crate::recipe::{Mapping, Quantity, QuantityKind as Kind, Rest};
 use crate::values::Values;
 
 /// Allowance for noise on top of the speed limit (standard deviations).

@@ -16,7 +16,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
 use crate::cutting::{Averaged, CutPose};
-use crate::recipe::{Instrument, Kind, Quantity, Recipe};
+use crate::recipe::{Instrument, Quantity, QuantityKind as Kind, Recipe};
 use placement::{Alignment, Pair, align};
 use platform_poses::platform_poses;
 pub(crate) use rigid_body::FEWEST as FEWEST_MARKERS;
@@ -36,7 +36,7 @@ const CLOSE: f64 = 0.05;
 /// recipe with the alignment that was found.
 ///
 /// # Errors
-/// In one sentence, if the markers or the poses do not say enough.
+/// In one sentence, if the markers or the poses do not determine the alignment.
 pub(crate) fn place(
     poses: &mut [CutPose],
     recipe: &Recipe,
@@ -99,8 +99,8 @@ pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<St
     })
 }
 
-/// Transforms the measured positions of a table into the robot's frame by the commanded poses; whether these determine it. A
-/// coordinate that is not measured stays so.
+/// Transforms the measured positions of a table into the robot's frame by the commanded poses; returns whether these
+/// determine it. A coordinate that is not measured stays missing.
 pub(crate) fn align_measured(data: &mut Measurements) -> bool {
     let rows = data.commanded.iter().zip(&data.tracked_position_m);
     let pairs: Vec<Option<Pair>> = rows

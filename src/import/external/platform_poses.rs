@@ -6,7 +6,7 @@ use tautline_core::robot::Robot;
 
 use super::{orientation, vector};
 use crate::cutting::CutPose;
-use crate::recipe::{Kind, Quantity};
+use crate::recipe::{Quantity, QuantityKind as Kind};
 
 /// Lengths agree with the drawing within this share of the frame's size.
 const DRAWN_WITHIN: f64 = 0.02;

@@ -112,7 +112,7 @@ fn centred(points: &MarkerPositions) -> MarkerPositions {
         .collect()
 }
 
-/// Whether points extend in at least two directions.
+/// Whether points are not collinear.
 pub(super) fn is_spread(points: &[Vec3]) -> bool {
     let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let scatter = points.iter().fold(Matrix3::zeros(), |sum, point| {

@@ -133,7 +133,7 @@ fn capture(poses: &[Pose]) -> Source {
     source(Format::Nexus, "capture", channels)
 }
 
-/// What a recipe makes of files.
+/// The poses imported from files with a recipe.
 fn followed(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Imported {
     import(sources, recipe, "recipe", robot, &MemoryBudget::default()).expect("imported")
 }
@@ -177,7 +177,7 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
             notices.contains("4 markers form a rigid body to within 0.0 mm"),
             "{notices}"
         );
-        // What was found holds for the next recording, even one with too few poses to find it.
+        // The alignment that was found also applies to the next recording, even one with too few poses to find it.
         let found = imported.document.recipe.clone();
         let few = [table(&robot, &poses[..3], true), capture(&poses[..3])];
         let next = followed(&few, &found, &robot);
@@ -232,7 +232,7 @@ fn the_frame_of_an_instrument_is_found_from_the_lengths() {
     let seen = instrument_of_robot();
     for cables in [8, 6] {
         let (mut robot, poses) = (robot(), poses(20));
-        // Six that hold the platform in all directions.
+        // Six cables that hold the platform in all directions.
         let kept = [0, 1, 3, 4, 6, 7, 2, 5];
         robot.cables = kept[..cables]
             .iter()

@@ -41,7 +41,7 @@ impl<'a> Archive<'a> {
         &self.names
     }
 
-    /// Content of an entry, which counts in a budget; `None` if there is no such entry.
+    /// Content of an entry, whose memory is taken from `budget`; `None` if there is no such entry.
     pub fn read(&self, name: &str, budget: &MemoryBudget) -> Result<Option<Vec<u8>>, String> {
         let damaged = |error: &dyn std::fmt::Display| {
             format!("entry {name} of the archive is damaged ({error})")

@@ -12,7 +12,7 @@ use super::workbook_xml::{add_text, attribute, for_each_tag};
 use crate::memory::MemoryBudget;
 use crate::source::{Format, Source};
 
-/// The part that says which sheets there are.
+/// The part with the list of the sheets.
 pub(super) const WORKBOOK: &str = "xl/workbook.xml";
 /// Memory of a shared text besides its letters, which the part has, too.
 const TEXT: u64 = size_of::<String>() as u64;
@@ -87,7 +87,7 @@ fn relations(text: &str) -> Option<Vec<(String, String)>> {
     Some(relations)
 }
 
-/// For each style of cells whether it is a date or a time.
+/// For each cell style, whether it is a date or a time.
 fn date_styles(text: &str) -> Option<Vec<bool>> {
     let (mut own, mut styles, mut in_cells) = (Vec::new(), Vec::new(), false);
     for_each_tag(text, |tag| match tag.local_name().as_ref() {
@@ -112,7 +112,7 @@ fn date_styles(text: &str) -> Option<Vec<bool>> {
     Some(styles)
 }
 
-/// The texts that cells refer to by number. They count, since an empty one takes more than its tag.
+/// The texts to which cells refer by number. Their memory is counted, since an empty one takes more than its tag.
 fn shared_texts(text: &str, budget: &MemoryBudget) -> Result<Vec<String>, Fault> {
     let mut reader = Reader::from_str(text);
     let (mut texts, mut current, mut in_text, mut phonetic) =

@@ -1,10 +1,10 @@
-//! Why reading a part of a file ended.
+//! Errors of reading a part of a file.
 
 use std::io;
 
 use crate::memory::OverBudget;
 
-/// Why a part of a file is not read.
+/// Reason why a part of a file is not read.
 pub(super) enum Fault {
     Damaged,
     Large(OverBudget),

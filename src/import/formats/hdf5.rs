@@ -1,6 +1,6 @@
 //! HDF5 files, including MATLAB files of version 7.3: arrays in groups, read in windows of rows.
 //!
-//! MATLAB stores its arrays transposed, names their class in an attribute, and keeps what cells and objects refer to in
+//! MATLAB stores its arrays transposed, names their class in an attribute, and keeps the targets of cells and objects in
 //! groups whose names begin with `#`.
 
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use hdf5_pure::{
     AttrValue, ChunkIndex, Dataset, Datatype, Error, File, FileAccessProperties, FormatError,
     Group, Layout, MetadataCacheConfig, ReadSeekSource,
 };
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Location, ReadError, quoted, read_damaged};
 
 use super::hdf5_elements::{Cell, Field, fields_of, joined, text};
 use super::matlab::object;
@@ -26,7 +26,7 @@ use crate::memory::MemoryBudget;
 use crate::source::{Filling, FillingTexts, Format, Series, Source};
 use crate::units::{bare, split_heading};
 
-/// Bytes of an array that are decoded at a time, where its pieces in the file are not larger.
+/// Bytes of an array that are decoded at a time, unless its chunks in the file are larger.
 const WINDOW: u64 = 1 << 20;
 /// Number of variable-length texts decoded at a time.
 const TEXTS: u64 = 1 << 12;
@@ -40,15 +40,15 @@ const MAX_DEPTH: usize = 16;
 const MAX_OBJECTS: usize = 100_000;
 /// Maximum number of columns of an array: images have more.
 const MAX_COLUMNS: u64 = 4096;
-/// Most rows of an array with more columns than that whose rows are channels.
+/// Maximum number of rows of an array with more than `MAX_COLUMNS` columns, whose rows are then taken as channels.
 const MAX_CHANNELS: u64 = 64;
-/// How many times larger than the file its content may be: no stream of gzip holds more.
+/// Maximum ratio of decoded content to file size: the limit of gzip (deflate).
 const MAX_RATIO: u64 = 1032;
 /// The filters that are read: gzip, shuffle, Fletcher-32, scale-offset and LZF.
 const FILTERS: [u16; 5] = [1, 2, 3, 6, 32000];
 
 pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<Source, ReadError> {
-    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: std::io::Error| ReadError::io(file, Location::File, &error);
     let opened = input.file().map_err(io)?;
     let (progress, reports) = channel();
     let budget = input.budget();
@@ -57,7 +57,7 @@ pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<
             read_damaged(|| read_file(opened, progress, (format, budget), file)).unwrap_or_else(
                 || {
                     let message = "is damaged, expected HDF5";
-                    Err(ReadError::new(file, Place::File, message))
+                    Err(ReadError::new(file, Location::File, message))
                 },
             )
         };
@@ -79,7 +79,7 @@ fn read_file(
     (format, budget): (Format, &MemoryBudget),
     file: &str,
 ) -> Result<Source, ReadError> {
-    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: std::io::Error| ReadError::io(file, Location::File, &error);
     let bytes = opened.metadata().map_err(io)?.len();
     let counted = Counted {
         file: opened,
@@ -108,7 +108,7 @@ fn read_file(
     let series = reader.finish();
     if series.is_empty() {
         let message = "found no numeric array of two rows or more, expected readings";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     Ok(Source {
         file: file.into(),
@@ -149,10 +149,10 @@ struct Reader<'a> {
     bytes: u64,
     /// Remaining budget for decoded content (bytes).
     left: u64,
-    /// Memory for what is decoded.
+    /// Memory for decoded content.
     budget: &'a MemoryBudget,
     objects: usize,
-    /// With the variable of MATLAB that each belongs to.
+    /// Series, each with the MATLAB variable to which it belongs.
     series: Vec<(String, Series)>,
     notices: Vec<String>,
 }
@@ -162,9 +162,9 @@ struct Reader<'a> {
 struct Size {
     rows: u64,
     columns: u64,
-    /// Whether the array is stored column by column.
+    /// Whether the array is stored in column-major order.
     by_columns: bool,
-    /// Whether the columns are the rows of the array.
+    /// Whether rows and columns are exchanged: the columns are the rows of the array.
     is_transposed: bool,
 }
 
@@ -181,7 +181,7 @@ impl Size {
 }
 
 /// A column of an array.
-struct Column {
+struct ColumnBuilder {
     name: String,
     unit: Option<String>,
     cells: Filling,
@@ -189,7 +189,7 @@ struct Column {
 
 impl Reader<'_> {
     fn fail(&self, message: impl Into<String>) -> ReadError {
-        ReadError::new(self.file, Place::File, message)
+        ReadError::new(self.file, Location::File, message)
     }
 
     fn damaged(&self, error: &Error) -> ReadError {
@@ -198,7 +198,7 @@ impl Reader<'_> {
                 "was not closed by the program that wrote it, expected a closed file; h5clear -s <file> clears the flag"
                     .to_owned()
             }
-            // The place where a link by name would be followed to.
+            // The address of a link by name is the largest number.
             Error::Format(FormatError::OffsetOverflow {
                 offset: u64::MAX, ..
             }) => "is damaged or has links by name (soft or external links), expected HDF5 without them".to_owned(),
@@ -266,7 +266,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Whether there is an attribute of this name.
+    /// Whether an attribute of this name exists.
     fn has(
         &self,
         attributes: Result<HashMap<String, AttrValue>, Error>,
@@ -450,7 +450,7 @@ impl Reader<'_> {
         fields: &[Field],
         attributes: &HashMap<String, AttrValue>,
         headings: Option<&Vec<String>>,
-    ) -> Vec<Column> {
+    ) -> Vec<ColumnBuilder> {
         let stated = |(name, _): &(&String, &AttrValue)| {
             ["unit", "units"].contains(&name.to_lowercase().as_str())
         };
@@ -483,7 +483,7 @@ impl Reader<'_> {
                         _ => None,
                     };
                     let stated = stated.map(|unit| bare(unit).to_owned());
-                    columns.push(Column {
+                    columns.push(ColumnBuilder {
                         name,
                         unit: stated.filter(|unit| !unit.is_empty()).or(heading),
                         cells: match field.cell {
@@ -505,7 +505,7 @@ impl Reader<'_> {
         shape: &[u64],
         size: Size,
         fields: &[Field],
-        columns: &mut [Column],
+        columns: &mut [ColumnBuilder],
     ) -> Result<(), ReadError> {
         let element = dataset
             .element_size()
@@ -578,7 +578,7 @@ impl Reader<'_> {
     }
 
     /// Adds the columns of an array to the series of as many rows; in MATLAB, of the same variable.
-    fn add(&mut self, path: &str, size: Size, columns: Vec<Column>) {
+    fn add(&mut self, path: &str, size: Size, columns: Vec<ColumnBuilder>) {
         let owner = match path.split_once('.') {
             Some((owner, _)) if self.is_matlab => owner,
             _ => "",
@@ -594,7 +594,7 @@ impl Reader<'_> {
             self.series.len() - 1
         });
         let series = &mut self.series[place].1;
-        for Column { name, unit, cells } in columns {
+        for ColumnBuilder { name, unit, cells } in columns {
             let place = format!("{}, array {}", self.file, quoted(&name));
             let added = series.add(name, unit, cells);
             let notice = |why| format!("{place}: {why}");
@@ -630,7 +630,7 @@ fn parts_of(fields: &[Field]) -> usize {
 }
 
 /// Adds an element of an array to the columns from index `place` on.
-fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [Column], mut place: usize) {
+fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [ColumnBuilder], mut place: usize) {
     for field in fields {
         for part in 0..field.count {
             let at = field.offset + part * field.size;
@@ -645,7 +645,7 @@ fn add_cell(bytes: &[u8], fields: &[Field], columns: &mut [Column], mut place: u
     }
 }
 
-fn cells_of(columns: &mut [Column], place: usize) -> Option<&mut Filling> {
+fn cells_of(columns: &mut [ColumnBuilder], place: usize) -> Option<&mut Filling> {
     columns.get_mut(place).map(|column| &mut column.cells)
 }
 

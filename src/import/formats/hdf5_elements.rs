@@ -1,4 +1,4 @@
-//! What an element of an array of HDF5 holds: a number, a text, or a record of them.
+//! Content of the elements of an HDF5 array: a number, a text, or a record of these.
 
 use hdf5_pure::{Datatype, DatatypeByteOrder, FloatingPointLayout};
 
@@ -8,7 +8,7 @@ pub(super) struct Field {
     pub name: String,
     pub offset: usize,
     pub size: usize,
-    /// How many of them follow each other.
+    /// Number of consecutive values.
     pub count: usize,
     pub cell: Cell,
     big_endian: bool,
@@ -129,12 +129,12 @@ pub(super) fn fields_of(
     });
 }
 
-/// Whether an integer uses all of its bits.
+/// Whether an integer of 1 to 8 bytes uses all of its bits.
 fn is_whole(size: u32, bit_offset: u16, bit_precision: u16) -> bool {
     matches!(size, 1..=8) && bit_offset == 0 && u32::from(bit_precision) == 8 * size
 }
 
-/// Whether a number is one of IEEE 754, of 2, 4 or 8 bytes.
+/// Whether a floating-point number has the IEEE 754 layout of 2, 4 or 8 bytes.
 fn is_float(size: u32, layout: &FloatingPointLayout) -> bool {
     let half = FloatingPointLayout {
         bit_offset: 0,

@@ -3,7 +3,7 @@
 //! Source: NI, "Specification for the LabVIEW Measurement File (.lvm)". `X_Columns` states whether the segments have no column of
 //! times (then `X0` and `Delta_X` do), one, or one before each channel.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{encoding_notice, stem};
 use crate::input::Input;
@@ -20,7 +20,7 @@ const END_SPECIAL: &str = "***End_Special***";
 const X_VALUE: &str = "X_Value";
 const COMMENT: &str = "Comment";
 
-/// Whether a file begins like one of LabVIEW.
+/// Whether a line is the first one of a LabVIEW measurement file.
 pub(super) fn is_title(line: &str) -> bool {
     line.trim_start_matches('"')
         .starts_with("LabVIEW Measurement")
@@ -53,7 +53,7 @@ pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, 
     }
     if source.series.is_empty() {
         let message = "found no segment with rows, expected readings after the header";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     source
         .notices
@@ -100,7 +100,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
         }
     }
     let message = format!("ends in a header, expected {END_OF_HEADER}");
-    Err(ReadError::new(lines.file(), Place::File, message))
+    Err(ReadError::new(lines.file(), Location::File, message))
 }
 
 /// Columns that were recorded together.
@@ -139,7 +139,7 @@ fn segment(lines: &mut Lines<'_>, separator: Separator) -> Result<Option<Segment
             "found {}, expected the row of names that begins with {X_VALUE}",
             quoted(cells.get(0))
         );
-        return Err(ReadError::new(lines.file(), Place::Line(line), message));
+        return Err(ReadError::new(lines.file(), Location::Line(line), message));
     }
     if headings.last().is_some_and(|last| last == COMMENT) {
         headings.pop();
@@ -161,7 +161,7 @@ fn segment(lines: &mut Lines<'_>, separator: Separator) -> Result<Option<Segment
                 Some((value, _)) => value,
                 None if is_gap(cells.get(k)) => f64::NAN,
                 None => {
-                    let place = Place::Cell(line, headings[k].clone());
+                    let place = Location::Cell(line, headings[k].clone());
                     let message = format!("found {}, expected a number", quoted(cells.get(k)));
                     return Err(ReadError::new(lines.file(), place, message));
                 }

@@ -10,7 +10,7 @@
 //! Source: MAT-File Format, The MathWorks, R2019b.
 
 use flate2::read::ZlibDecoder;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::fault::Fault;
 use super::{stem, whole};
@@ -36,7 +36,7 @@ const OPAQUE: u32 = 17;
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let bytes = whole(input, file)?;
     let fail = |at: usize, message: &str| {
-        ReadError::new(file, Place::File, format!("byte {at}: {message}"))
+        ReadError::new(file, Location::File, format!("byte {at}: {message}"))
     };
     let refuse = |at: usize, fault: Fault, damaged: &str| match fault {
         Fault::Damaged => fail(at, damaged),
@@ -97,12 +97,12 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
     }
     let series = series(found, &stem(file), file, &mut notices);
     if series.is_empty() {
-        // A file of objects only is refused with what to do instead.
+        // A file of objects only is refused with advice.
         let why = notices.first().map_or_else(String::new, |notice| {
             format!(" ({})", notice.trim_start_matches(&format!("{file}: ")))
         });
         let message = format!("found no numeric array of two rows or more, expected readings{why}");
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     Ok(Source {
         file: file.into(),
@@ -332,7 +332,7 @@ impl Found<'_> {
         Ok(())
     }
 
-    /// Nothing yet, of the same file.
+    /// An empty result within the same file.
     fn below(&self) -> Self {
         Self {
             swapped: self.swapped,
@@ -343,8 +343,8 @@ impl Found<'_> {
         }
     }
 
-    /// Adds the elements of a struct array or cell array with their places. What has as many values in each of them, or none,
-    /// becomes a table with one row per element.
+    /// Adds the elements of a struct array or cell array with their places. A field with the same number of values in each of
+    /// them, or none, becomes a table with one row per element.
     fn merge(&mut self, path: &str, mut elements: Vec<(String, Self)>) {
         let count = elements.len();
         let mut names: Vec<String> = Vec::new();
@@ -473,7 +473,7 @@ fn merged_texts(path: &str, name: &str, elements: &mut [(String, Found<'_>)]) ->
     })
 }
 
-/// What an object is, and how to save what is in it.
+/// Class of an object, and advice how to save its content as arrays.
 pub(super) fn object(class: &str) -> String {
     let advice = match class {
         "timeseries" => "save its Time and Data as arrays",

@@ -6,7 +6,7 @@
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::fault::Fault;
 use super::{over_budget, stem, whole};
@@ -25,7 +25,7 @@ const MOST_BLOCKS: usize = 1 << 20;
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let bytes = whole(&mut input, file)?;
-    let fail = |message: String| ReadError::new(file, Place::File, message);
+    let fail = |message: String| ReadError::new(file, Location::File, message);
     let version = String::from_utf8_lossy(bytes.get(8..16).unwrap_or_default());
     if !version.starts_with('4') {
         let version = version.trim_matches(|letter: char| letter.is_whitespace() || letter == '\0');
@@ -108,13 +108,13 @@ fn array<const N: usize>(bytes: &[u8], at: usize) -> Result<[u8; N], Fault> {
     bytes.try_into().map_err(|_| Fault::Damaged)
 }
 
-/// Where the records of a channel group are.
+/// Layout of the records of a channel group.
 struct ChannelGroup {
     id: u64,
-    /// Bytes of a record without its number, with the bits of invalid values.
+    /// Bytes of a record without its record number, including the invalidation bits.
     bytes: usize,
     data_bytes: usize,
-    /// Whether its records are texts of any length.
+    /// Whether the records are variable-length texts.
     has_texts: bool,
     acquisition: Option<String>,
     channels: Vec<ChannelLayout>,
@@ -144,7 +144,7 @@ enum Number {
     Float,
 }
 
-/// How a stored number becomes a physical one.
+/// Conversion of a stored number into a physical value.
 enum Conversion {
     Linear([f64; 2]),
     Rational([f64; 6]),

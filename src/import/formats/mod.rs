@@ -29,7 +29,7 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-use tautline_session::{Place, ReadError, open_input};
+use tautline_session::{Location, ReadError, open_input};
 
 use crate::input::{Input, Watch};
 use crate::memory::{MemoryBudget, OverBudget};
@@ -42,10 +42,10 @@ const HEAD: u64 = 64 << 10;
 /// Largest file (bytes) in a format that has to be read as a whole.
 const MAX_WHOLE: u64 = 2 << 30;
 
-/// Whether this build has the feature `more-formats`.
+/// Whether the program was built with the feature `more-formats`.
 pub const HAS_MORE_FORMATS: bool = cfg!(feature = "more-formats");
 
-/// What to do about a format that this build leaves out.
+/// Advice for a format that this build leaves out.
 const LEFT_OUT: &str = "which this build leaves out, expected the program of a release or \
                         `cargo build --release --features more-formats`";
 
@@ -53,7 +53,7 @@ const LEFT_OUT: &str = "which this build leaves out, expected the program of a r
 const MATLAB_73: &[u8] = b"MATLAB 7.3";
 
 /// Recognised kind of a file.
-enum Kind {
+enum FileKind {
     Readable(Format),
     /// A robot description rather than readings.
     RobotDescription,
@@ -79,7 +79,7 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
     let mut series = source.series.iter();
     if series.all(|one| one.channels.is_empty() || one.rows == 0) {
         let message = "found a table without numbers, expected readings";
-        return Err(ReadError::new(&source.file, Place::File, message));
+        return Err(ReadError::new(&source.file, Location::File, message));
     }
     let bytes = source.series.iter().map(Series::bytes);
     let taken = watch.budget().take(bytes.fold(0, u64::saturating_add));
@@ -89,24 +89,24 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
 
 /// The error that a file needs more memory than there is.
 fn over_budget(file: &str, over: OverBudget) -> ReadError {
-    ReadError::new(file, Place::File, over.to_string())
+    ReadError::new(file, Location::File, over.to_string())
 }
 
 fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let file = path.display().to_string();
-    let refuse = |message: &str| Err(ReadError::new(&file, Place::File, message));
+    let refuse = |message: &str| Err(ReadError::new(&file, Location::File, message));
     let (head, input) = open(path, &file)?;
-    // Of a file only its series count further on.
+    // Only the series of a file are kept.
     let budget = watch.budget().temporary();
     let mut input = Input::new(input, watch, &budget);
     let format = match recognise(&head, path) {
-        Kind::Readable(format) => format,
-        Kind::RobotDescription => {
+        FileKind::Readable(format) => format,
+        FileKind::RobotDescription => {
             return refuse(
                 "is the description of a robot, expected readings; import it by itself, with -o robot.json",
             );
         }
-        Kind::Refused(message) => return refuse(message),
+        FileKind::Refused(message) => return refuse(message),
     };
     match format {
         Format::Table | Format::PointList => delimited::read(&head, input, &file),
@@ -146,16 +146,16 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     }
 }
 
-/// Whether a file is a text or tree that describes a robot.
+/// Whether a file is a robot description rather than readings.
 pub(crate) fn holds_description(path: &Path) -> Result<bool, ReadError> {
     let (head, _) = open(path, &path.display().to_string())?;
-    Ok(matches!(recognise(&head, path), Kind::RobotDescription))
+    Ok(matches!(recognise(&head, path), FileKind::RobotDescription))
 }
 
 /// Opens a file and returns its first bytes and the rewound file.
 fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
     let mut input = open_input(path, file)?;
-    let failed = |error| ReadError::io(file, Place::File, &error);
+    let failed = |error| ReadError::io(file, Location::File, &error);
     let mut head = Vec::new();
     (&mut input)
         .take(HEAD)
@@ -167,7 +167,7 @@ fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
 
 /// The content of a file.
 fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
-    let io = |error| ReadError::io(file, Place::File, &error);
+    let io = |error| ReadError::io(file, Location::File, &error);
     let length = input.file().and_then(|file| file.metadata());
     let length = length.map_err(io)?.len();
     if length > MAX_WHOLE {
@@ -175,15 +175,15 @@ fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
             "found more than {} GB, expected a smaller file",
             MAX_WHOLE >> 30
         );
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     input.take(length).read_to_end(&mut bytes).map_err(io)?;
     Ok(bytes)
 }
 
-fn recognise(head: &[u8], path: &Path) -> Kind {
-    use Kind::{Readable, Refused, RobotDescription};
+fn recognise(head: &[u8], path: &Path) -> FileKind {
+    use FileKind::{Readable, Refused, RobotDescription};
     if path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("svdx"))

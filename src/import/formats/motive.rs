@@ -1,7 +1,7 @@
 //! CSV export of OptiTrack Motive, versions 1.2 and later.
 
 use std::collections::HashMap;
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{encoding_notice, stem};
 use crate::input::Input;
@@ -21,7 +21,7 @@ pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, 
         let Some((line, text)) = lines.next_line()? else {
             return Err(ReadError::new(
                 file,
-                Place::File,
+                Location::File,
                 "found no row that begins with \"Frame\", expected the header of the data",
             ));
         };
@@ -34,7 +34,7 @@ pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, 
             break cells;
         } else if line as usize > HEADER_LINES {
             let message = "found no row that begins with \"Frame\" in the first lines, expected the header of the data";
-            return Err(ReadError::new(file, Place::Line(line), message));
+            return Err(ReadError::new(file, Location::Line(line), message));
         } else if !cells.are_blank() {
             rows.push(cells.iter().map(str::to_owned).collect());
         }
@@ -48,7 +48,7 @@ pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, 
             let message = format!(
                 "found {found} as \"Length Units\", expected Meters, Centimeters or Millimeters"
             );
-            return Err(ReadError::new(file, Place::Line(1), message));
+            return Err(ReadError::new(file, Location::Line(1), message));
         }
     };
     let mut channels = headings(&rows, &axes, unit);
@@ -118,7 +118,7 @@ fn headings(rows: &[Vec<String>], axes: &Cells, unit: &str) -> Vec<Channel> {
         .collect()
 }
 
-/// Fills the channels; the times of the frames (s).
+/// Fills the channels; returns the times of the frames (s).
 fn data(
     lines: &mut Lines<'_>,
     axes: &Cells,
@@ -143,7 +143,7 @@ fn data(
             };
             ReadError::new(
                 file,
-                Place::Cell(line, name),
+                Location::Cell(line, name),
                 format!(
                     "found {}, expected a number with a decimal point",
                     quoted(found)
@@ -181,7 +181,7 @@ fn data(
     if times.is_empty() {
         return Err(ReadError::new(
             file,
-            Place::File,
+            Location::File,
             "found a header without frames, expected rows of data",
         ));
     }
@@ -190,7 +190,7 @@ fn data(
     Ok(times.into())
 }
 
-/// Whether a row may be truncated: complete rows end with all their separators.
+/// Whether a row with too few cells is truncated: complete rows end with all their separators.
 fn lines_are_over(text: &str) -> bool {
     !text.ends_with(',')
 }

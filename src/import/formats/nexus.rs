@@ -1,6 +1,6 @@
 //! Text export of Vicon Nexus: sections, each with its title alone on a line.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::motive::Frames;
 use super::{encoding_notice, stem};
@@ -46,7 +46,7 @@ pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, 
                 "found {}, expected the title of a section, such as Trajectories",
                 quoted(text)
             );
-            return Err(ReadError::new(file, Place::Line(line), message));
+            return Err(ReadError::new(file, Location::Line(line), message));
         }
         let title = text
             .trim_matches(|letter: char| letter.is_whitespace() || matches!(letter, ',' | '"'))
@@ -83,7 +83,7 @@ fn section(
         line.ok_or_else(|| {
             ReadError::new(
                 file,
-                Place::File,
+                Location::File,
                 format!("ends in the section {title}, expected {what}"),
             )
         })
@@ -97,7 +97,7 @@ fn section(
     else {
         return Err(ReadError::new(
             file,
-            Place::Line(line),
+            Location::Line(line),
             format!("found {}, expected the sampling rate in Hz", quoted(&text)),
         ));
     };
@@ -109,7 +109,7 @@ fn section(
     if axes.get(0) != "Frame" {
         return Err(ReadError::new(
             file,
-            Place::Line(line),
+            Location::Line(line),
             format!(
                 "found {}, expected the row that begins with Frame",
                 quoted(axes.get(0))
@@ -136,7 +136,7 @@ fn section(
             };
             ReadError::new(
                 file,
-                Place::Cell(line, name),
+                Location::Cell(line, name),
                 format!("found {}, expected a number", quoted(cells.get(k))),
             )
         };
@@ -160,7 +160,7 @@ fn section(
     if at.is_empty() {
         return Err(ReadError::new(
             file,
-            Place::Line(line),
+            Location::Line(line),
             format!("found no frame in the section {title}, expected rows of data"),
         ));
     }

@@ -3,7 +3,7 @@
 //! The crates that read `.npy` bring a parser generator for the Python dictionary of the header; its three keys are read
 //! here. Source: NumPy Enhancement Proposal 1, format versions 1 to 3.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::archive::Archive;
 use super::{stem, whole};
@@ -24,7 +24,7 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
         let bytes = whole(&mut input, file)?;
         add(&mut source, "", &bytes, budget)?;
     } else {
-        let fail = |message: String| ReadError::new(file, Place::File, message);
+        let fail = |message: String| ReadError::new(file, Location::File, message);
         let bytes = whole(&mut input, file)?;
         let archive = Archive::open(&bytes).map_err(fail)?;
         for name in archive.names() {
@@ -41,7 +41,7 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
     if source.series.is_empty() {
         return Err(ReadError::new(
             file,
-            Place::File,
+            Location::File,
             "found no array of two rows or more, expected readings",
         ));
     }
@@ -80,7 +80,7 @@ fn add(
     } else {
         format!("array {}: ", quoted(name))
     };
-    let fail = |message: String| ReadError::new(&file, Place::File, format!("{what}{message}"));
+    let fail = |message: String| ReadError::new(&file, Location::File, format!("{what}{message}"));
     let (header, data) = header(bytes).map_err(fail)?;
     let (rows, columns) = match header.shape[..] {
         [rows] => (rows, 1),

@@ -40,15 +40,15 @@ pub(super) fn read(archive: &Workbook<'_>) -> Result<Source, ReadError> {
     }
 }
 
-/// What the content is.
-struct Kind {
+/// Type of the document and number of its sheets.
+struct DocumentType {
     is_spreadsheet: bool,
     sheets: usize,
 }
 
 /// `None` if it is not XML.
-fn kind(text: &str) -> Option<Kind> {
-    let mut kind = Kind {
+fn kind(text: &str) -> Option<DocumentType> {
+    let mut kind = DocumentType {
         is_spreadsheet: false,
         sheets: 0,
     };
@@ -127,20 +127,20 @@ impl SheetReader<'_> {
         }
     }
 
-    /// Skips what is in a tag.
+    /// Skips the content of a tag.
     fn skip(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
         let skipped = self.0.read_to_end(tag.name());
         skipped.map(|_| ()).map_err(|_| Fault::Damaged)
     }
 }
 
-/// Whether a tag holds texts that are not those of cells: comments, drawings and former values.
+/// Whether a tag holds texts other than those of cells: comments, drawings and tracked changes.
 fn is_aside(tag: &BytesStart<'_>) -> bool {
     let name = tag.local_name();
     [&b"annotation"[..], b"shapes", b"frame", b"tracked-changes"].contains(&name.as_ref())
 }
 
-/// How often a cell or row is there.
+/// Number of repetitions of a cell or row.
 fn times(tag: &BytesStart<'_>, name: &str) -> Result<u64, Fault> {
     let Some(count) = attribute(tag, name) else {
         return Ok(1);
@@ -153,9 +153,9 @@ fn times(tag: &BytesStart<'_>, name: &str) -> Result<u64, Fault> {
 #[derive(Default)]
 struct Cell {
     repeated: usize,
-    /// Its value; `None` if that is its text.
+    /// Value of the attribute; `None` if the text of the cell is its value.
     value: Option<String>,
-    /// Whether a formula has no value, or another cell covers it.
+    /// Whether the cell has no value: an error of its formula, or a merged cell covers it.
     is_void: bool,
     text: String,
     in_paragraph: bool,

@@ -8,7 +8,7 @@ use parquet::data_type::{AsBytes, ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Location, ReadError, quoted, read_damaged};
 
 use super::{HAS_MORE_FORMATS, LEFT_OUT, over_budget, stem};
 use crate::input::Input;
@@ -22,8 +22,8 @@ const ROWS: usize = 1 << 13;
 const VALUE: usize = size_of::<f64>();
 
 /// A column of the file with its destination.
-struct Column {
-    /// Its number in the file.
+struct ColumnBuilder {
+    /// Index of the column in the file.
     number: usize,
     /// Definition level of a cell that has a value.
     level: i16,
@@ -36,11 +36,11 @@ struct Column {
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     read_damaged(|| read_table(input, file)).unwrap_or_else(|| {
         let message = "is damaged, expected Parquet";
-        Err(ReadError::new(file, Place::File, message))
+        Err(ReadError::new(file, Location::File, message))
     })
 }
 
-/// Fails if cells are compressed with something that this build cannot undo.
+/// Fails if cells are compressed by a method that this build cannot decompress.
 fn check_compressor(compression: Compression) -> Result<(), String> {
     let name = match compression {
         Compression::UNCOMPRESSED | Compression::SNAPPY => return Ok(()),
@@ -67,9 +67,9 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
             ParquetError::External(error) if error.is::<OverBudget>() => error.to_string(),
             error => format!("is damaged, expected Parquet ({error})"),
         };
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     };
-    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: std::io::Error| ReadError::io(file, Location::File, &error);
     let over = |over| over_budget(file, over);
     let reader = SerializedFileReader::new(input.file().map_err(io)?).map_err(damaged)?;
     let mut notices = Vec::new();
@@ -81,7 +81,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         for column in &mut columns {
             let chunk = group.metadata().column(column.number);
             check_compressor(chunk.compression())
-                .map_err(|message| ReadError::new(file, Place::File, message))?;
+                .map_err(|message| ReadError::new(file, Location::File, message))?;
             // Pages are decompressed as a whole.
             let content = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
             input.budget().temporary().take(content).map_err(over)?;
@@ -91,7 +91,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
                 let name = quoted(&column.name);
                 let (found, expected) = (rows + read, rows + count);
                 let message = format!("column {name} ends after {found} rows, expected {expected}");
-                return Err(ReadError::new(file, Place::File, message));
+                return Err(ReadError::new(file, Location::File, message));
             }
             let bytes = chunk.compressed_size();
             input
@@ -102,7 +102,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     }
     if rows == 0 || columns.is_empty() {
         let message = "found a table without numbers, expected readings";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let mut series = Series {
         name: stem(file),
@@ -127,7 +127,7 @@ fn columns(
     reader: &SerializedFileReader<File>,
     file: &str,
     notices: &mut Vec<String>,
-) -> Vec<Column> {
+) -> Vec<ColumnBuilder> {
     let schema = reader.metadata().file_metadata().schema_descr();
     let mut columns = Vec::new();
     for (number, descriptor) in schema.columns().iter().enumerate() {
@@ -141,7 +141,7 @@ fn columns(
         }
         let (name, stated) = split_heading(&path);
         match Content::of(descriptor) {
-            Content::Numbers(scale) => columns.push(Column {
+            Content::Numbers(scale) => columns.push(ColumnBuilder {
                 number,
                 level: descriptor.max_def_level(),
                 name,
@@ -152,7 +152,7 @@ fn columns(
                 scale,
                 cells: Filling::Numbers(Vec::new()),
             }),
-            Content::Texts => columns.push(Column {
+            Content::Texts => columns.push(ColumnBuilder {
                 number,
                 level: descriptor.max_def_level(),
                 name: path,
@@ -186,7 +186,7 @@ impl Scale {
     }
 }
 
-/// What a column holds.
+/// Content of a column.
 enum Content {
     Numbers(Scale),
     Texts,
@@ -232,7 +232,7 @@ impl Content {
     }
 }
 
-impl Column {
+impl ColumnBuilder {
     /// Adds the cells of a row group and returns their number.
     fn fill(&mut self, reader: ColumnReader, budget: &MemoryBudget) -> Result<usize, ParquetError> {
         let (level, scale) = (self.level, self.scale);
@@ -287,7 +287,7 @@ fn each<T: DataType>(
             return Ok(count);
         }
         count += records;
-        // A page has a run of equal values once, and of a text what differs from the one before.
+        // A page stores a run of equal values once, and of a text only the difference from the previous one.
         let sizes = values.iter().map(|value| value.as_bytes().len());
         let longer: usize = sizes.map(|size| size.saturating_sub(VALUE)).sum();
         let taken = budget.take((records * VALUE + longer) as u64);

@@ -4,7 +4,7 @@
 //! for each channel in every second cell; the data, a pair of cells (sample or time, value) for each channel. Channels
 //! of slower rate have fewer rows. A line of empty cells and `EOF` close the file.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{encoding_notice, stem};
 use crate::input::Input;
@@ -101,7 +101,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
                 quoted(key),
                 header.names.len()
             );
-            return Err(ReadError::new(file, Place::Line(line), message));
+            return Err(ReadError::new(file, Location::Line(line), message));
         }
         for (k, name) in header.names.clone().iter().enumerate() {
             match key.split(['[', ' ']).next().unwrap_or_default() {
@@ -118,7 +118,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
     }
     if header.names.is_empty() || blocks < 2 {
         let message = "found no channel header that begins with \"Name\" between two empty lines";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     Ok(header)
 }
@@ -149,7 +149,7 @@ fn data(
             if at.is_empty() && value.is_empty() {
                 continue;
             }
-            let place = || Place::Cell(line, header.names[k].clone());
+            let place = || Location::Cell(line, header.names[k].clone());
             let unexpected = |found: &str, expected| {
                 ReadError::new(
                     file,
@@ -195,14 +195,14 @@ fn data(
     if channels.iter().all(|channel| channel.at.is_empty()) {
         return Err(ReadError::new(
             file,
-            Place::File,
+            Location::File,
             "found channels without samples, expected rows of data",
         ));
     }
     Ok(channels)
 }
 
-/// Whether a cell without a number is the last of its line.
+/// Whether an unreadable cell is the last of its line and at most two characters long, i.e. cut off.
 fn lines_end(text: &str, cell: &str) -> bool {
     text.trim_end().ends_with(cell) && cell.len() < 3
 }

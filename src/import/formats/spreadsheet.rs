@@ -4,7 +4,7 @@
 //! for the memory, so that an `.xls` of 6 kB or an `.ods` of 1 kB takes gigabytes, and it switches the whole program to another
 //! compressor.
 
-use tautline_session::{Place, ReadError};
+use tautline_session::{Location, ReadError};
 
 use super::archive::Archive;
 use super::workbook::Workbook;
@@ -18,7 +18,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
     let archive = Archive::open(&bytes);
     let book = Workbook {
         file,
-        archive: archive.map_err(|message| ReadError::new(file, Place::File, message))?,
+        archive: archive.map_err(|message| ReadError::new(file, Location::File, message))?,
         budget: input.budget(),
     };
     if book.has(excel::WORKBOOK) {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{stem, whole};
 use crate::input::Input;
@@ -27,7 +27,7 @@ const OF_DAQMX: &str =
 /// Most objects of a segment, and properties of an object.
 const MOST_OBJECTS: u32 = 10_000;
 
-/// What a segment contains.
+/// Bits of the table of contents of a segment.
 mod content {
     pub const META_DATA: u32 = 1 << 1;
     pub const NEW_OBJECTS: u32 = 1 << 2;
@@ -37,7 +37,7 @@ mod content {
     pub const DAQMX: u32 = 1 << 7;
 }
 
-/// Why reading ended.
+/// Reason why reading ended.
 enum Fault {
     Damaged(&'static str),
     Refused(String),
@@ -50,7 +50,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         active: Vec::new(),
         notices: Vec::new(),
     };
-    let fail = |message: String| ReadError::new(file, Place::File, message);
+    let fail = |message: String| ReadError::new(file, Location::File, message);
     match recording.segments(&bytes) {
         Ok(()) => {}
         Err(Fault::Damaged(_)) if recording.has_values() => {
@@ -81,7 +81,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
 
 /// Types of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum DataType {
     Signed(u8),
     Unsigned(u8),
     Float(u8),
@@ -90,7 +90,7 @@ enum Kind {
     Time,
 }
 
-impl Kind {
+impl DataType {
     fn of(code: u32) -> Option<Self> {
         Some(match code {
             1 => Self::Signed(1),
@@ -166,7 +166,7 @@ enum Property {
 /// Raw data of an object in a chunk.
 #[derive(Debug, Clone, Copy)]
 struct Index {
-    kind: Kind,
+    kind: DataType,
     count: u64,
     /// Bytes of all texts with their offsets; 0 for numbers.
     bytes: u64,
@@ -556,7 +556,7 @@ impl<'a> Reader<'a> {
     /// The index of raw data; `None` for types without a number.
     fn index(&mut self) -> Result<Option<Index>, Fault> {
         let kind = self.u32()?;
-        let kind = Kind::of(kind).ok_or_else(|| {
+        let kind = DataType::of(kind).ok_or_else(|| {
             Fault::Refused(format!(
                 "has values of the unsupported type {kind:#x}, expected numbers"
             ))
@@ -566,14 +566,14 @@ impl<'a> Reader<'a> {
         }
         let count = self.u64()?;
         let bytes = match kind {
-            Kind::Text => self.u64()?,
+            DataType::Text => self.u64()?,
             _ => 0,
         };
         Ok(Some(Index { kind, count, bytes }).filter(|index| index.count > 0))
     }
 
     fn property(&mut self) -> Result<Property, Fault> {
-        let kind = Kind::of(self.u32()?).ok_or(Fault::Damaged("type of a property"))?;
+        let kind = DataType::of(self.u32()?).ok_or(Fault::Damaged("type of a property"))?;
         Ok(match kind.size() {
             None => Property::Text(self.text()?),
             Some(size) => {

@@ -1,6 +1,6 @@
-//! The archive of a workbook, and what its sheets become.
+//! The archive of a workbook, and the series of its sheets.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::archive::Archive;
 use super::fault::Fault;
@@ -27,7 +27,7 @@ pub(super) struct Workbook<'a> {
 
 impl Workbook<'_> {
     pub fn fail(&self, message: impl Into<String>) -> ReadError {
-        ReadError::new(self.file, Place::File, message.into())
+        ReadError::new(self.file, Location::File, message.into())
     }
 
     pub fn damaged(&self, part: &str) -> ReadError {
@@ -45,7 +45,7 @@ impl Workbook<'_> {
         self.archive.names().iter().any(|name| name == part)
     }
 
-    /// The text of a part, which counts in a budget; `None` if there is no such part.
+    /// The text of a part, whose memory is taken from `budget`; `None` if there is no such part.
     pub fn part(&self, name: &str, budget: &MemoryBudget) -> Result<Option<String>, ReadError> {
         let bytes = self.archive.read(name, budget);
         let Some(bytes) = bytes.map_err(|message| self.fail(message))? else {
@@ -62,7 +62,7 @@ impl Workbook<'_> {
             .ok_or_else(|| self.damaged(name))
     }
 
-    /// What so many sheets become.
+    /// Collects the series of `count` sheets.
     pub fn sheets(&self, format: Format, count: usize) -> Sheets<'_> {
         Sheets {
             book: self,
@@ -83,19 +83,19 @@ pub(super) struct Sheets<'a> {
     book: &'a Workbook<'a>,
     count: usize,
     source: Source,
-    /// Why the first sheet without a table was left out.
+    /// Reason why the first sheet without a table was left out.
     refusal: Option<ReadError>,
 }
 
 impl Sheets<'_> {
-    /// A sheet that has no cells, such as a chart.
+    /// Reports a sheet without cells, such as a chart.
     pub fn leave_out(&mut self, name: &str) {
         let (file, name) = (self.book.file, quoted(name));
         let notice = format!("{file}: sheet {name} left out: it is not a table");
         self.source.notices.push(notice);
     }
 
-    /// A sheet of a part with its rows, of which only the series counts further on.
+    /// Adds a sheet of a part with its rows, of which only the series is kept.
     pub fn add(&mut self, name: &str, part: &str, grid: Grid) -> Result<(), ReadError> {
         let rows = grid.finish();
         let rows = rows.map_err(|fault| self.book.refused(part, fault))?;

@@ -27,7 +27,7 @@ pub(super) fn attribute(tag: &BytesStart<'_>, name: &str) -> Option<String> {
         .map(|value| value.into_owned())
 }
 
-/// Appends what an event adds to a text.
+/// Appends the content of an event to a text.
 pub(super) fn add_text(event: &Event<'_>, wanted: bool, to: &mut String) -> Option<()> {
     match event {
         Event::Text(text) if wanted => to.push_str(&text.decode().ok()?),

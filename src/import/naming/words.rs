@@ -1,8 +1,8 @@
 //! Words by which channels are recognised, in English and German.
 
-use crate::recipe::Kind;
+use crate::recipe::QuantityKind as Kind;
 
-/// Kinds that one channel for each cable can be.
+/// Quantities with one channel for each cable.
 pub(crate) const PER_CABLE: &[(Kind, &[&str])] = &[
     (
         Kind::Force,
@@ -77,12 +77,12 @@ pub(crate) const PER_CABLE: &[(Kind, &[&str])] = &[
     ),
 ];
 
-/// Machines that one channel for each cable can belong to: by themselves they mean where these are.
+/// Machines to which one channel for each cable can belong; alone, such a word denotes the position of the machine.
 pub(crate) const MACHINES: &[&str] = &[
     "motor", "motors", "drum", "trommel", "winch", "winde", "spool", "axis", "achse",
 ];
 
-/// Letters by which equations call what each cable has, where nothing else is in the name.
+/// Symbols of equations for quantities of cables, for names that contain nothing else.
 pub(crate) const LETTERS: &[(Kind, &[&str])] = &[
     (Kind::Force, &["f", "tau", "τ"]),
     (Kind::Length, &["l", "rho", "ρ", "ℓ"]),
@@ -163,7 +163,7 @@ pub(crate) const OTHER: &[&str] = &[
     "masse",
 ];
 
-/// Words of states, which values may be grouped under.
+/// Words of states, which may be groups of values.
 pub(crate) const STATES: &[&str] = &[
     "status", "state", "states", "zustand", "mode", "enable", "enabled", "word",
 ];
@@ -291,7 +291,7 @@ pub(crate) const TRAVEL: &[&str] = &[
     "creep",
     "gefahren",
 ];
-/// Words that a range may stand beside.
+/// Words that may accompany `range`.
 pub(crate) const RANGE: &[&str] = &["range", "sensor", "sick", "value", "m", "mm"];
 /// Words of a temperature.
 pub(crate) const TEMPERATURE: &[&str] = &[
@@ -344,7 +344,7 @@ pub(crate) const TIME: &[&str] = &[
     "tout",
     "elapsed",
 ];
-/// Words that make a time something else than a clock.
+/// Words that distinguish a time from a clock.
 pub(crate) const NO_CLOCK: &[&str] = &[
     "cycle", "zyklus", "delay", "latency", "dt", "duration", "dauer", "settling", "step", "jitter",
 ];
@@ -372,7 +372,7 @@ pub(crate) const ANGLES: [&[&str]; 3] = [
     &["yaw", "gier", "gierwinkel", "heading"],
 ];
 
-/// Words that say nothing about the quantity, which compounds contain.
+/// Words in compounds that do not identify the quantity.
 pub(crate) const NEUTRAL: &[&str] = &[
     "cable",
     "cables",
@@ -405,7 +405,7 @@ pub(crate) const NEUTRAL: &[&str] = &[
     "log",
 ];
 
-/// Whether a word is one of those that are known.
+/// Whether a word is in any of the lists.
 fn is_known(word: &str) -> bool {
     let kinds = PER_CABLE.iter().map(|(_, words)| *words);
     let lists = [

@@ -1,10 +1,10 @@
-//! What the values of channels say about their quantity.
+//! Evidence of the values of a channel for its quantity.
 
 use crate::source::Channel;
 
-/// Rows that are looked at.
+/// Maximum number of rows that are examined.
 const MOST_ROWS: usize = 2000;
-/// Fewest rows that say anything.
+/// Minimum number of rows for a conclusion.
 const FEWEST_ROWS: usize = 6;
 /// Share of the steps of a clock that go forwards: it may be set, and stand still between rows of one moment.
 const FORWARDS: f64 = 0.9;
@@ -23,7 +23,7 @@ fn sample(channel: &Channel) -> Vec<f64> {
     values.filter(|value| !value.is_nan()).collect()
 }
 
-/// Whether values increase as those of a clock do.
+/// Whether values increase like those of a clock.
 pub(super) fn is_clock(channel: &Channel) -> bool {
     let values = sample(channel);
     let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
@@ -33,7 +33,7 @@ pub(super) fn is_clock(channel: &Channel) -> bool {
     not_backwards >= FORWARDS * count && 2.0 * forwards >= count
 }
 
-/// Whether four channels are the components of quaternions.
+/// Whether four channels are the components of unit quaternions.
 pub(super) fn are_quaternion(channels: &[&Channel]) -> bool {
     let rows = channels.first().map_or(0, |first| first.values.len());
     let every = rows.div_ceil(MOST_ROWS).max(1);
@@ -56,7 +56,7 @@ pub(super) fn magnitude(channel: &Channel) -> f64 {
     values.iter().map(|value| value.abs()).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Whether channels never change, as parameters do, or only switch.
+/// Whether channels are constant, like parameters, or switch between two whole numbers.
 pub(super) fn are_settings(channels: &[&Channel]) -> bool {
     let is_setting = |channel: &&Channel| {
         let mut values = sample(channel);

@@ -3,13 +3,13 @@
 use crate::external::FEWEST_MARKERS;
 use crate::source::Channel;
 
-/// Most rows that are looked at.
+/// Maximum number of rows that are examined.
 const MOST_ROWS: usize = 300;
 /// Minimum number of rows in which two markers were both seen.
 const FEWEST_ROWS: usize = 3;
-/// Distances of markers on one body change by less than this share of them, and of how far the markers move.
+/// Distances of markers on one body change by less than this fraction of the distance, and of the range of their motion.
 const RIGID: f64 = 0.01;
-/// A body moves if it does by more than this share of its size.
+/// A body moves if its motion exceeds this fraction of its size.
 const MOVES: f64 = 0.1;
 
 /// A marker: its name, and its coordinates.
@@ -73,7 +73,7 @@ fn distances(a: &[[f64; 3]], b: &[[f64; 3]]) -> Option<f64> {
     (all.len() >= FEWEST_ROWS && variance.sqrt() < allowed).then_some(mean)
 }
 
-/// How far a marker moves along the axis on which it moves most.
+/// Largest range of the coordinates of a marker.
 fn extent(course: &[[f64; 3]]) -> f64 {
     let along = |axis: usize| {
         let seen = course

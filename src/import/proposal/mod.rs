@@ -15,7 +15,9 @@ use crate::naming::words::{
     ANGLES, GROUP, HOT, LABEL, LASER, NO_CLOCK, OTHER, PER_CABLE, RANGE, TEMPERATURE, TIME, TRAVEL,
 };
 use crate::naming::{Family, families, words_of};
-use crate::recipe::{AngleOrder, Assignment, Cutting, Kind, Quantity, Recipe, Rest, resolve};
+use crate::recipe::{
+    AngleOrder, Assignment, Cutting, Quantity, QuantityKind as Kind, Recipe, Rest, resolve,
+};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
 use evidence::{are_quaternion, is_clock, magnitude};
@@ -55,7 +57,7 @@ pub fn propose_around(
         source.series.iter().map(move |series| (series, format))
     });
     let mut series: Vec<(&Series, Format)> = series.collect();
-    // States and commands of joints have the same names: what is measured goes first.
+    // States and commands of joints have the same names: measured ones come first.
     series.sort_by_key(|(series, format)| is_wanted(&topic(series, *format)));
     for (series, format) in series {
         proposal.own_names(series);
@@ -100,7 +102,7 @@ fn members<'s>(series: &'s Series, family: &Family) -> Vec<&'s Channel> {
     names.filter_map(|name| series.channel(&name)).collect()
 }
 
-/// Whether a series has the position of a pose.
+/// Whether a series has a position, i.e. an x coordinate of a pose of unknown origin.
 fn has_position(series: &Series) -> bool {
     let found = series
         .channels
@@ -110,7 +112,7 @@ fn has_position(series: &Series) -> bool {
     open.any(|found| found.index == 0)
 }
 
-/// Channels of one pose with the component that each is.
+/// Channels of one pose, each with the index of its component.
 type Components<'a> = Vec<(usize, &'a Channel)>;
 
 /// A pose in a series.
@@ -248,7 +250,7 @@ struct Proposal<'a> {
     known: Vec<Assignment>,
     /// Columns that already have a channel.
     given: BTreeSet<String>,
-    /// Families of another number than that of the cables: series, channels, and a sentence if nothing else uses them.
+    /// Families whose number is not that of the cables: series, channels, and the notice to be given if nothing else uses them.
     miscounted: Vec<(String, Vec<String>, String)>,
     notices: Vec<String>,
 }
@@ -263,7 +265,7 @@ impl Proposal<'_> {
         self.given.contains(column)
     }
 
-    /// Whether a channel has a known use.
+    /// Whether an existing entry of a recipe assigns the channel.
     fn is_known(&self, name: &str) -> bool {
         let mut known = self.known.iter();
         known.any(|known| known.channel == name || known.is_pattern_of(name))
@@ -376,7 +378,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Families whose names say nothing, but whose values follow the cables at the commanded poses.
+    /// Assigns families whose names are unknown, but whose values follow the cables at the commanded poses.
     fn by_motion(&mut self, sources: &[Source]) {
         let moves = OF_WINCHES.iter().any(|column| self.is_given(column));
         let pulls = self.is_given("force_{i}_n");
@@ -530,7 +532,7 @@ impl Proposal<'_> {
         self.poses(series, format);
     }
 
-    /// The column of a channel that is the only one of its kind; `is_one`: no other has its name but for a number.
+    /// The column of a channel that is the only one of its kind; `is_one`: no other name differs by a number only.
     fn single_column(
         &self,
         series: &Series,
@@ -539,7 +541,7 @@ impl Proposal<'_> {
     ) -> Option<&'static str> {
         let words = words_of(&channel.name);
         let unit = channel.unit.as_deref().map(parse_unit);
-        // What an unknown unit measures is none of ours.
+        // An unknown unit measures no quantity of ours.
         let dimension = match unit {
             Some(unit) => Some(unit?.dimension),
             None => None,
@@ -577,7 +579,7 @@ impl Proposal<'_> {
                 .iter()
                 .position(|angle| is_any(&words, angle))
                 .filter(|_| {
-                    // Beside a position and without an inclinometer they are angles of a pose.
+                    // Next to a position, and without an inclinometer, these are angles of a pose.
                     let is_of_pose = self.robot.inclinometer.is_none() && has_position(series);
                     if is_of_pose {
                         return false;
@@ -589,7 +591,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Whether a channel has no use yet, and the column no channel.
+    /// Whether neither the channel nor the column is assigned.
     fn is_open(&self, series: &Series, name: &str, column: &str) -> bool {
         let mut here = self.recipe.channels.iter();
         let mut here_is = |is_meant: &dyn Fn(&Assignment) -> bool| {
@@ -623,7 +625,7 @@ impl Proposal<'_> {
         let largest = range[0].abs().max(range[1].abs());
         let frame_m = self.robot.frame_size_m()?;
         let unit = match column {
-            // No recording begins that many seconds after 1970.
+            // No recording begins this number of seconds after 1970.
             "time_s" if largest > 1e17 => "ns",
             "time_s" if largest > 1e14 => "us",
             "time_s" if largest > 1e11 => "ms",
@@ -644,7 +646,7 @@ impl Proposal<'_> {
             return;
         }
         let mut bodies = self.bodies(series, format);
-        // What is stated goes first; a body with an orientation tells more than a marker without one.
+        // Poses of stated origin come first, and bodies with an orientation before markers without one.
         bodies.sort_by_key(|body| (body.origin, usize::MAX - body.components.len()));
         for body in bodies {
             self.pose(series, format, body);
@@ -954,7 +956,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Whether the first pose is the home pose, and whether encoders count from there.
+    /// Assumes that the first pose is the home pose, unless poses have labels, and counts revolutions from there.
     fn home(&mut self, sources: &[Source]) {
         let has_labels = self
             .recipe

@@ -1,4 +1,4 @@
-//! What varies as the cables do: channels that follow the lengths at the commanded poses, or that carry the platform there.
+//! Channels that vary with the cables: they follow the lengths at the commanded poses, or carry the platform there.
 
 use std::f64::consts::TAU;
 
@@ -9,16 +9,16 @@ use tautline_core::robot::Robot;
 
 use super::recognition::since_home;
 use crate::check::fit;
-use crate::recipe::{Kind, Mapping, Quantity};
+use crate::recipe::{Mapping, Quantity, QuantityKind as Kind};
 use crate::source::Channel;
 
-/// Most rows that are looked at.
+/// Maximum number of rows that are examined.
 const MOST_ROWS: usize = 300;
-/// Fewest of them that say anything.
+/// Minimum number of rows for a conclusion.
 const FEWEST_ROWS: usize = 8;
 /// Scatter about the line, relative to that of the values, below which a channel follows a cable: pulleys may be centimetres off.
 const FOLLOWS: f64 = 0.25;
-/// A slope is a known one within this share of it.
+/// Relative tolerance within which a slope is a known one.
 const SLOPE: f64 = 0.12;
 /// Largest squared force that is left over, relative to the squared weight, where tensions carry the platform.
 const LEFT_OVER: f64 = 0.25;
@@ -119,7 +119,7 @@ impl CommandedPoses {
         found.map(|(_, kind, unit)| (since_home(kind, channels), unit, mean < 0.0))
     }
 
-    /// Whether channels are forces that carry the platform.
+    /// Whether channels are cable forces that balance the weight of the platform.
     pub fn are_carried_by(&self, channels: &[&Channel], robot: &Robot) -> bool {
         let sensors: Option<Vec<_>> = robot
             .cables

@@ -6,7 +6,7 @@ use crate::naming::words::{
     WANTED,
 };
 use crate::naming::words_of;
-use crate::recipe::{AngleOrder, Kind};
+use crate::recipe::{AngleOrder, QuantityKind as Kind};
 use crate::source::Channel;
 use crate::units::{Dimension, Unit, parse_unit};
 
@@ -14,7 +14,7 @@ pub(super) fn is_any(words: &[String], known: &[&str]) -> bool {
     words.iter().any(|word| known.contains(&word.as_str()))
 }
 
-/// Whether a name is that of a commanded value. In German, `des` is also an article.
+/// Whether a name denotes a commanded value. In German, `des` is also an article.
 pub(super) fn is_wanted(words: &[String]) -> bool {
     let ends = [words.first(), words.last()];
     let is_article = |word: &String| word == "des" && !ends.contains(&Some(word));
@@ -35,15 +35,15 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// What a family of channels with one for each cable is.
+/// Recognised quantity of a family of channels, one for each cable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Recognised {
     pub kind: Kind,
-    /// How well it is known, to choose among several families of one kind.
+    /// Certainty of the recognition, by which one of several families of a quantity is chosen.
     pub score: i32,
-    /// Whether its values are encoder counts.
+    /// Whether the values are encoder counts.
     pub is_counts: bool,
-    /// Whether the values said so rather than the name.
+    /// Whether the quantity was recognised by the values rather than by the name.
     pub by_values: bool,
 }
 
@@ -73,7 +73,7 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
     };
     let dimension = match first.unit.as_deref() {
         None => None,
-        // What an unknown unit measures is none of ours.
+        // An unknown unit measures no quantity of ours.
         Some(unit) => Some(parse_unit(unit)?.dimension),
     };
     let kind = match dimension {
@@ -97,7 +97,7 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
     })
 }
 
-/// Lengths of which some pass zero count from home: no cable is shorter than nothing.
+/// Lengths of which some pass zero count from home, since lengths of cables are positive.
 pub(super) fn since_home(kind: Kind, channels: &[&Channel]) -> Kind {
     let passes_zero = |channel: &&Channel| {
         let [low, high] = channel.summary().range;
@@ -146,25 +146,25 @@ fn named_kind(words: &[String]) -> Option<Kind> {
     }
 }
 
-/// Who states a pose.
+/// Origin of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Origin {
     /// The controller, as a command.
     Commanded,
     /// An instrument outside of the robot.
     Measured,
-    /// The name leaves it open.
+    /// Unknown: the name does not state the origin.
     Open,
 }
 
-/// A component of a pose, x, y, z, or w, x, y, z of a quaternion, counted from 0, and what it belongs to.
+/// A component of a pose, x, y, z, or w, x, y, z of a quaternion, counted from 0, with its body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Component {
     pub index: usize,
     /// Name of the body.
     pub owner: String,
     pub origin: Origin,
-    /// Whether its name consists of words of poses only.
+    /// Whether the name consists only of words for poses.
     pub is_pose: bool,
 }
 
@@ -259,7 +259,7 @@ fn is_angle(unit: Unit) -> bool {
     unit.dimension == Dimension::Angle
 }
 
-/// Who states the pose that these words name.
+/// Origin of the pose that these words name.
 pub(super) fn origin_of(words: &[String]) -> Origin {
     if is_wanted(words) {
         Origin::Commanded
@@ -270,7 +270,7 @@ pub(super) fn origin_of(words: &[String]) -> Origin {
     }
 }
 
-/// Whether a word belongs to the name of a pose.
+/// Whether a word is used in names of poses.
 pub(super) fn is_of_pose(word: &str) -> bool {
     let lists = [POSE, ACTUAL, WANTED, EXTERNAL];
     let rotations = [
@@ -288,7 +288,7 @@ pub(super) fn is_of_pose(word: &str) -> bool {
     lists.iter().any(|list| list.contains(&word)) || rotations.contains(&word)
 }
 
-/// Words that say which part of a pose a component is of.
+/// Words for the position or the orientation in the name of a component.
 const PARTS: [&str; 9] = [
     "Rotation",
     "Position",
@@ -301,7 +301,7 @@ const PARTS: [&str; 9] = [
     "q",
 ];
 
-/// What the name of a component is without the component.
+/// Name of the body: the name of a component without the component and without words such as `position`.
 fn owner_of(name: &str, component: &str, is_first: bool) -> String {
     let lower = name.to_lowercase();
     let is_between = |letter: char| !letter.is_alphanumeric();

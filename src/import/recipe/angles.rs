@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Kind, Quantity, Recipe};
+use super::{Quantity, QuantityKind as Kind, Recipe};
 
 /// Axes of three angles: `R = R1(a1) R2(a2) R3(a3)`, each a rotation about an axis of the frame that those before have turned. In
 /// reverse order, they turn about fixed axes. Written as three letters, such as `zyx`; neighbours differ.
@@ -21,24 +21,24 @@ impl AngleOrder {
     /// The order of yaw, pitch and roll in aeronautics, and of A, B and C of KUKA: `R = Rz Ry Rx`.
     pub const ZYX: Self = Self([2, 1, 0]);
 
-    /// What belongs to the axes x, y, z in the order of the turns, where these are about three axes.
+    /// Sorts values of the axes x, y, z into the order of the rotations, for orders about three different axes.
     #[must_use]
     pub fn sort<T: Copy>(self, of_axes: [T; 3]) -> [T; 3] {
         self.0.map(|axis| of_axes[axis])
     }
 
-    /// The product of turns, such as `Rz Ry Rx`.
+    /// The product of the rotations as a text, such as `Rz Ry Rx`.
     #[must_use]
     pub fn product(self) -> String {
         self.0.map(|axis| ["Rx", "Ry", "Rz"][axis]).join(" ")
     }
 
-    /// Whether each turn is about another axis.
+    /// Whether the rotations are about three different axes.
     fn has_three_axes(self) -> bool {
         self.0[0] != self.0[2]
     }
 
-    /// The place of the turn about an axis.
+    /// Position of the rotation about an axis in the order.
     fn place_of(self, axis: usize) -> Option<usize> {
         self.0.iter().position(|known| *known == axis)
     }

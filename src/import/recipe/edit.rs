@@ -6,7 +6,7 @@ use super::{Assignment, Quantity, Recipe};
 const NUMBER: &str = "{i}";
 
 impl Assignment {
-    /// Whether it assigns one channel per cable.
+    /// Whether the entry is a pattern that assigns one channel per cable.
     #[must_use]
     pub fn is_pattern(&self) -> bool {
         self.quantity.contains(NUMBER)
@@ -39,7 +39,7 @@ impl Assignment {
         (0..count).map(|cable| self.of_cable(cable)).collect()
     }
 
-    /// Whether it is a pattern that a name fits, whatever its number.
+    /// Whether a channel name matches the pattern of the entry with any number.
     pub(crate) fn is_pattern_of(&self, name: &str) -> bool {
         let Some((before, after)) = self.channel.split_once(NUMBER) else {
             return false;

@@ -16,7 +16,7 @@ use tautline_session::{Loaded, ReadError, VersionedFile, read_versioned};
 
 pub use angles::{AngleOrder, Angles};
 pub use instrument::{Instrument, Placement};
-pub use quantity::{Kind, Quantity};
+pub use quantity::{Quantity, QuantityKind};
 pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
 
 /// Assignment of channels of foreign files to columns of `poses.csv`, and how rows become poses.

@@ -2,20 +2,22 @@
 
 use std::f64::consts::TAU;
 
+use QuantityKind as Kind;
+
 use crate::units::{Dimension, Unit, parse_unit};
 
 /// A column of `poses.csv`, or a coordinate of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Quantity {
     /// Kind.
-    pub kind: Kind,
+    pub kind: QuantityKind,
     /// Index of the cable, from 0, or component within a group of columns; three components per marker in sequence.
     pub index: usize,
 }
 
 /// Kind of a column, each with its names in `poses.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum QuantityKind {
     /// `pose`
     Label,
     /// `time_s`
@@ -155,13 +157,13 @@ impl Quantity {
         self.kind.column_of(&(self.index + 1).to_string())
     }
 
-    /// Whether there is one per cable.
+    /// Whether the quantity exists once per cable.
     #[must_use]
     pub fn is_per_cable(self) -> bool {
         PER_CABLE.iter().any(|(kind, ..)| *kind == self.kind)
     }
 
-    /// Whether its values are text.
+    /// Whether the values are texts.
     #[must_use]
     pub fn is_text(self) -> bool {
         matches!(self.kind, Kind::Label | Kind::Group)
@@ -282,7 +284,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it varies with the pose of the platform.
+    /// Whether the quantity varies with the pose of the platform. Forces and laser distances do not count.
     #[must_use]
     pub fn moves(self) -> bool {
         matches!(
@@ -301,7 +303,7 @@ impl Quantity {
     }
 }
 
-impl Kind {
+impl QuantityKind {
     /// Column for a cable number, or for `{i}`.
     #[must_use]
     pub fn column_of(self, number: &str) -> String {

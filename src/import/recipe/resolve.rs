@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::{Assignment, Quantity, Recipe};
 use crate::source::{Series, Source};
@@ -14,13 +14,13 @@ pub(crate) struct Mapped {
     pub series: usize,
     /// Index of the channel, or of the text.
     pub channel: usize,
-    /// Whether it is a column of text.
+    /// Whether the channel is a column of texts.
     pub is_text: bool,
     /// `value = factor x + offset` in the unit of the quantity.
     pub factor: f64,
     /// Offset in the unit of the quantity.
     pub offset: f64,
-    /// Whether values count from that of the first pose.
+    /// Whether the value at the first pose is subtracted.
     pub from_first_pose: bool,
     /// Index of the entry in the recipe.
     pub assignment: usize,
@@ -54,7 +54,7 @@ pub(crate) fn resolve<'a>(
         let fail = |key: &str, message: String| {
             ReadError::new(
                 recipe_file,
-                Place::Pointer(format!("/channels/{k}/{key}")),
+                Location::Pointer(format!("/channels/{k}/{key}")),
                 message,
             )
         };
@@ -127,7 +127,7 @@ pub(crate) fn resolve<'a>(
                 from_first_pose: assignment.from_first_pose,
                 assignment: k,
             };
-            if quantity.kind == super::Kind::Time {
+            if quantity.kind == super::QuantityKind::Time {
                 mapping.times[place] = Some(mapped);
             } else {
                 mapping.quantities.insert(quantity, mapped);
@@ -137,7 +137,7 @@ pub(crate) fn resolve<'a>(
     Ok(mapping)
 }
 
-/// Whether a name in a recipe refers to a series.
+/// Whether a name in a recipe refers to a series: the name of the series or its end.
 pub(crate) fn is_series(series: &Series, meant: &str) -> bool {
     series.name == meant || series.name.ends_with(meant)
 }

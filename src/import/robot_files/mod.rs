@@ -1,4 +1,4 @@
-//! Files that describe a robot: those of other programs, and tables of the places of its pulleys.
+//! Files that describe a robot: those of other programs, and tables of the positions of its pulleys.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use tautline_session::{Loaded, ReadError};
 use crate::formats::{holds_description, read_source};
 use crate::robots::{PartPlaces, places_of, read_described};
 
-/// Largest table of places (bytes).
+/// Largest table of positions of pulleys (bytes).
 const MAX_BYTES: u64 = 4 << 20;
 
 /// Whether a file describes a robot.
@@ -34,7 +34,7 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
     read_described(paths)
 }
 
-/// The places that a file states, and notices. What is wrong with a file is said where it is read as what it is.
+/// The positions that a file states, and notices. Errors of a file are reported by the reader of its own format.
 fn read_places(path: &Path) -> Option<(PartPlaces, Vec<String>)> {
     let is_small = path.metadata().is_ok_and(|data| data.len() <= MAX_BYTES);
     places_of(&is_small.then(|| read_source(path).ok())??)

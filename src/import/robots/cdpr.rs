@@ -8,7 +8,7 @@ use tautline_core::robot::{Platform, Robot};
 use tautline_session::ReadError;
 
 use super::description::{Guide, cable_of, filled, list, pose_of, simulated};
-use super::dialect::{Dialect, ForeignRobot, M, Row};
+use super::dialect::{Dialect, ForeignRobot, M, Setting};
 use super::settings::Settings;
 
 pub(super) static DIALECT: Dialect = Dialect {
@@ -31,15 +31,15 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     while settings.has(&format!("points.{}.", cables.len())) {
         let number = cables.len() + 1;
         let (name, key) = (format!("cable-{number}"), format!("points.{}", number - 1));
-        let entry = settings.numbers(&format!("{key}.frame"), &name, Row::entry)?;
-        let anchor = settings.numbers(&format!("{key}.platform"), &name, Row::anchor)?;
+        let entry = settings.numbers(&format!("{key}.frame"), &name, Setting::entry)?;
+        let anchor = settings.numbers(&format!("{key}.platform"), &name, Setting::anchor)?;
         cables.push(cable_of(None, number, Guide::eyelet(entry), anchor));
     }
-    let kept = |_| Row::kept("", M, 0.0);
+    let kept = |_| Setting::kept("", M, 0.0);
     let place = settings.numbers("platform.position.xyz", "", kept)?;
     let turn = settings.numbers("platform.position.rpy", "", kept)?;
     let inertia: [f64; 6] = settings.numbers("platform.inertia", "", kept)?;
-    let mass_kg = settings.get(&Row::kept("platform.mass", M, 0.0), (0, ""))?;
+    let mass_kg = settings.get(&Setting::kept("platform.mass", M, 0.0), (0, ""))?;
     let mut platform = Platform::spatial(Some(mass_kg).filter(|mass| *mass > 0.0));
     platform.inertia_kg_m2 = Some(inertia).filter(|inertia| inertia[0] > 0.0);
     simulated(

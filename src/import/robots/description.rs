@@ -1,23 +1,23 @@
-//! What descriptions of robots state, and what they leave to be assumed.
+//! Content of robot descriptions, and default assumptions for missing values.
 
 use nalgebra::UnitQuaternion;
 use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::robot::{
     Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
-use tautline_session::{Loaded, Place, ReadError, VersionedFile};
+use tautline_session::{Loaded, Location, ReadError, VersionedFile};
 
 use super::dialect::ForeignRobot;
 use super::settings::Settings;
 
-/// Default standard deviation of a length reading (m): what good winches reach.
+/// Default standard deviation of a length reading (m), typical of good winches.
 const LENGTH_SD_M: f64 = 1e-3;
-/// Default standard deviation of a coordinate of the home pose (m): what a mark on the floor reaches.
+/// Default standard deviation of a coordinate of the home pose (m), typical of a mark on the floor.
 pub(super) const POSITION_SD_M: f64 = 1e-3;
 /// Default standard deviation of a rotation of the home pose (rad).
 pub(super) const ROTATION_SD_RAD: f64 = 1e-3;
 
-/// Where a cable enters the robot: the point that stays when the pulley swivels (m, robot frame), the axis about which it
+/// Geometry of a pulley: the entry point, which stays when the pulley swivels (m, robot frame), the axis about which it
 /// swivels, a unit vector in the direction in which the cable arrives, and the radius (m), 0 for an eyelet.
 pub(super) struct Guide {
     pub(super) entry_point_m: [f64; 3],
@@ -67,7 +67,7 @@ pub(super) fn pose_of(position_m: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pos
     }
 }
 
-/// The pose in the base of what has the pose `inner` in a frame.
+/// The pose in the base of an object with the pose `inner` in `frame`.
 pub(super) fn in_frame(frame: &Pose, inner: &Pose) -> Pose {
     Pose {
         position: frame.transform(&inner.position),
@@ -129,13 +129,13 @@ pub(super) fn know_normal_to_plane(platform: &Platform, cables: &mut [Cable]) {
     }
 }
 
-/// What descriptions state of a robot.
+/// Content of a robot description.
 pub(super) struct Description {
     pub(super) platform: Platform,
     pub(super) cables: Vec<Cable>,
     pub(super) home: Option<Home>,
     pub(super) limits: Option<Limits>,
-    /// Whether it states how much cable a revolution winds.
+    /// Whether the description states the cable length per revolution.
     pub(super) has_winches: bool,
 }
 
@@ -243,7 +243,7 @@ pub(super) fn robot_of(
         (1e4 * sd_m).round() / 10.0
     ));
     VersionedFile::check(&robot)
-        .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
+        .map_err(|error| ReadError::new(file, Location::Pointer(error.pointer), error.message))?;
     Ok(Loaded {
         value: robot,
         notices,

@@ -1,7 +1,8 @@
 //! Texts of other programs that are read and written: firmware and simulators.
 //!
-//! Each dialect is a table of [`Row`]s, what its numbers mean, and the robot that they describe. The places of the numbers are known,
-//! so a calibrated robot is written by changing numbers in the user's own text, or in a new text of the same dialect.
+//! Each dialect is a table of [`Setting`]s, with the meaning of its numbers, and the robot that they describe. The positions of
+//! the numbers in the text are known, so a calibrated robot is written by changing numbers in the user's own text, or in a new
+//! text of the same dialect.
 
 use std::ops::Range;
 
@@ -21,22 +22,22 @@ pub enum Meaning {
     BuildUp,
     /// Axial stiffness of the cables.
     Stiffness,
-    /// Something that a calibration does not change.
+    /// A number that a calibration does not change.
     Kept,
 }
 
 /// A number that a dialect states once or for every cable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct Setting {
     /// Key of the setting; `{cable}` stands for the name of the cable there, `{index}` for its number from 0.
     pub(super) key: &'static str,
     /// Meaning for the robot.
     pub meaning: Meaning,
     /// Unit in the text, and how many of it are one SI unit.
     pub unit: (&'static str, f64),
-    /// Value where the text does not state it, in the unit of the text; `None` if it must.
+    /// Default in the unit of the text; `None` if the text has to state the number.
     pub(super) default: Option<f64>,
-    /// How far a projection looks for a better value, in the unit of the text; 0 if it does not.
+    /// Range of the search of a projection on either side, in the unit of the text; 0 if the value is not searched.
     pub range: f64,
     /// Digits after the point that are written.
     pub digits: usize,
@@ -46,7 +47,7 @@ pub struct Row {
 pub(super) const M: (&str, f64) = ("m", 1.0);
 pub(super) const MM: (&str, f64) = ("mm", 1e3);
 
-impl Row {
+impl Setting {
     /// A number that is read, has a default and stays as it is.
     pub(super) const fn kept(key: &'static str, unit: (&'static str, f64), default: f64) -> Self {
         Self {
@@ -94,14 +95,14 @@ pub struct Parameter {
     pub cable: String,
     /// Value in the unit of the text.
     pub value: f64,
-    /// Its row in the table of the dialect.
-    pub row: Row,
+    /// Its setting in the table of the dialect.
+    pub row: Setting,
     /// Bytes of the value in the text.
     pub(super) at: Range<usize>,
 }
 
 impl Parameter {
-    /// Whether a value differs from the one in the text by no more than rounding.
+    /// Whether a value equals the one in the text to its rounding.
     #[must_use]
     pub fn is_unchanged(&self, value: f64) -> bool {
         (value - self.value).abs() <= 0.5 * 0.1_f64.powi(self.row.digits as i32)
@@ -120,7 +121,7 @@ impl Parameter {
 /// The robot that a text describes, and the numbers in it that a calibration may change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeignRobot {
-    /// The robot, with what was assumed and what a robot of ours cannot express.
+    /// The robot, which includes assumptions for missing values.
     pub robot: Robot,
     /// Notices of reading.
     pub notices: Vec<String>,
@@ -137,7 +138,7 @@ impl ForeignRobot {
         }
     }
 
-    /// `text`, from which this was read, with other values of the parameters in the form of `written`; `None` keeps what is there.
+    /// `text`, from which this was read, with other values of the parameters in the form of `written`; `None` keeps the old text.
     #[must_use]
     pub fn text_with(
         &self,
@@ -157,14 +158,14 @@ impl ForeignRobot {
     }
 }
 
-/// A program's way to describe a cable robot.
+/// Text format in which a program describes a cable robot.
 #[derive(Debug)]
 pub struct Dialect {
     /// Name in commands.
     pub name: &'static str,
-    /// Whether it states what a motor revolution winds; a simulator states geometry only.
+    /// Whether texts state the cable length per motor revolution; those of simulators state geometry only.
     pub has_winches: bool,
-    /// Whether a text is in this dialect; the text may end early.
+    /// Recognises a text of this dialect, or its beginning.
     pub(super) is_in: fn(&str) -> bool,
     /// Reads a text under the name of its file; errors name the place.
     pub read: fn(&str, &str) -> Result<ForeignRobot, ReadError>,

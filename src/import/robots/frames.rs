@@ -12,7 +12,7 @@ use tautline_core::robot::{Cable, Platform};
 use tautline_session::{ReadError, quoted};
 
 use super::description::{Guide, INERTIA, cable_of, filled, in_frame, pose_of, simulated};
-use super::dialect::{Dialect, ForeignRobot, Row};
+use super::dialect::{Dialect, ForeignRobot, Setting};
 use super::settings::Settings;
 use super::xml::{self, Element};
 
@@ -42,7 +42,7 @@ const NEW_SDF: [&str; 3] = [
     "  </model>\n</sdf>\n",
 ];
 
-/// A place in another one, which has no name if it is the base.
+/// A frame relative to another one, which has no name if it is the base.
 struct Frame<'x> {
     name: &'x str,
     within: &'x str,
@@ -161,7 +161,7 @@ impl<'x> Model<'x> {
         Err(self.root.error(self.file, &message))
     }
 
-    /// The frames of a kind with what follows it in their names.
+    /// The frames of a kind, each with the rest of its name.
     fn points(&self, kind: &str) -> Vec<(&'x str, &Frame<'x>)> {
         let of_kind = |frame: &Frame<'x>| frame.name.strip_prefix(kind);
         let all = self.frames.iter();
@@ -170,7 +170,7 @@ impl<'x> Model<'x> {
         all.map(|(rest, frame)| (name(rest), frame)).collect()
     }
 
-    /// The platform, and the cables between the frames, whose places become parameters.
+    /// The platform, and the cables between the frames, whose positions become parameters.
     fn cables(&self, settings: &mut Settings<'_>) -> Result<(&'x str, Vec<Cable>), ReadError> {
         let (anchors, mut cables) = (self.points("anchor"), Vec::new());
         let platform = anchors.first().ok_or_else(|| {
@@ -190,10 +190,10 @@ impl<'x> Model<'x> {
                 Err(_) => name.to_owned(),
             };
             if let Some(at) = pulley.at.clone() {
-                settings.point(pulley.name, at, &name, Row::entry)?;
+                settings.point(pulley.name, at, &name, Setting::entry)?;
             }
             if let Some(at) = anchor.at.clone().filter(|_| anchor.within == platform) {
-                settings.point(anchor.name, at, &name, Row::anchor)?;
+                settings.point(anchor.name, at, &name, Setting::anchor)?;
             }
             let guide = Guide::eyelet(self.pose(pulley.name)?.position.into());
             let end = self.pose(anchor.name)?.position - home.position;

@@ -11,7 +11,7 @@ use tautline_core::robot::Robot;
 use tautline_session::{ReadError, quoted};
 
 use super::description::{Description, Guide, cable_of, robot_of};
-use super::dialect::{Dialect, ForeignRobot, MM, Meaning, Row};
+use super::dialect::{Dialect, ForeignRobot, MM, Meaning, Setting};
 use super::settings::Settings;
 
 pub(super) static DIALECT: Dialect = Dialect {
@@ -22,17 +22,17 @@ pub(super) static DIALECT: Dialect = Dialect {
     new_text,
 };
 
-const ANCHOR: [Row; 3] = [
-    Row::point("stepper_{cable}.anchor_x", 0, MM),
-    Row::point("stepper_{cable}.anchor_y", 1, MM),
-    Row::point("stepper_{cable}.anchor_z", 2, MM),
+const ANCHOR: [Setting; 3] = [
+    Setting::point("stepper_{cable}.anchor_x", 0, MM),
+    Setting::point("stepper_{cable}.anchor_y", 1, MM),
+    Setting::point("stepper_{cable}.anchor_z", 2, MM),
 ];
-const PER_REVOLUTION: Row = Row {
+const PER_REVOLUTION: Setting = Setting {
     meaning: Meaning::CablePerRevolution,
     default: None,
     range: 5.0,
     digits: 4,
-    ..Row::kept("stepper_{cable}.rotation_distance", MM, 0.0)
+    ..Setting::kept("stepper_{cable}.rotation_distance", MM, 0.0)
 };
 
 fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {

@@ -10,7 +10,7 @@ use tautline_core::robot::Robot;
 use tautline_session::ReadError;
 
 use super::description::{Description, Guide, cable_of, robot_of};
-use super::dialect::{Dialect, ForeignRobot, MM, Row};
+use super::dialect::{Dialect, ForeignRobot, MM, Setting};
 use super::settings::Settings;
 
 pub(super) static DIALECT: Dialect = Dialect {
@@ -26,12 +26,12 @@ pub(super) static DIALECT: Dialect = Dialect {
 };
 
 const CORNERS: [&str; 4] = ["tl", "tr", "bl", "br"];
-const CORNER: [Row; 2] = [
-    Row::point("kinematics.MaslowKinematics.{cable}X", 0, MM),
-    Row::point("kinematics.MaslowKinematics.{cable}Y", 1, MM),
+const CORNER: [Setting; 2] = [
+    Setting::point("kinematics.MaslowKinematics.{cable}X", 0, MM),
+    Setting::point("kinematics.MaslowKinematics.{cable}Y", 1, MM),
 ];
-const EXTENSION: Row = Row::kept("kinematics.MaslowKinematics.beltEndExtension", MM, 30.0);
-const ARM: Row = Row::kept("kinematics.MaslowKinematics.armLength", MM, 123.4);
+const EXTENSION: Setting = Setting::kept("kinematics.MaslowKinematics.beltEndExtension", MM, 30.0);
+const ARM: Setting = Setting::kept("kinematics.MaslowKinematics.armLength", MM, 123.4);
 
 fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     let mut settings = Settings::of_yaml(file, text);

@@ -18,9 +18,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use tautline_core::robot::Robot;
-use tautline_session::{Loaded, Place, ReadError, open_input};
+use tautline_session::{Loaded, Location, ReadError, open_input};
 
-pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Row};
+pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Setting};
 pub use places::PartPlaces;
 pub(crate) use places::places_of;
 use xml::Element;
@@ -63,7 +63,7 @@ pub fn read_description_text(path: &Path) -> Result<String, ReadError> {
     let mut text = String::new();
     let mut input = open_input(path, &file)?.take(MAX_BYTES);
     let read = input.read_to_string(&mut text);
-    read.map_err(|error| ReadError::io(&file, Place::File, &error))?;
+    read.map_err(|error| ReadError::io(&file, Location::File, &error))?;
     Ok(text)
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn read_described(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadErr
         if let Some(dialect) = Dialect::of(&text) {
             if paths.len() > 1 {
                 let message = "describes a whole robot, expected no other file beside it";
-                return Err(ReadError::new(&file, Place::File, message));
+                return Err(ReadError::new(&file, Location::File, message));
             }
             let read = (dialect.read)(&file, &text)?;
             let (value, notices) = (read.robot, read.notices);
@@ -94,14 +94,14 @@ pub(crate) fn read_described(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadErr
                 let message = format!(
                     "found <{name}>, expected <robot> of URDF, <sdf>, <mujoco>, <cables> or <bodies_system> of CASPR or <models> of WireX"
                 );
-                return Err(ReadError::new(&file, Place::File, message));
+                return Err(ReadError::new(&file, Location::File, message));
             }
         };
         if let Some((first, _)) = &*slot {
             let message = format!(
                 "describes the same part of a robot as {first}, expected one file of cables and one of bodies"
             );
-            return Err(ReadError::new(&file, Place::File, message));
+            return Err(ReadError::new(&file, Location::File, message));
         }
         *slot = Some((file, root));
     }
@@ -115,7 +115,7 @@ pub(crate) fn read_described(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadErr
             let file = bodies.map_or_else(String::new, |(file, _)| file);
             Err(ReadError::new(
                 &file,
-                Place::File,
+                Location::File,
                 "describes bodies only, expected the file of the cables as well",
             ))
         }

@@ -11,7 +11,7 @@ use tautline_core::robot::{Cable, Platform, Robot};
 use tautline_session::{ReadError, quoted};
 
 use super::description::{Guide, cable_of, escaped, in_frame, inertia_of, list, simulated};
-use super::dialect::{Dialect, ForeignRobot, Row};
+use super::dialect::{Dialect, ForeignRobot, Setting};
 use super::settings::Settings;
 use super::xml::{self, Element};
 
@@ -35,7 +35,7 @@ struct Placed<'x> {
     pose: Pose,
 }
 
-/// Places in a model.
+/// Bodies, sites and geoms of a model.
 struct Model<'x> {
     file: &'x str,
     is_degrees: bool,
@@ -97,7 +97,7 @@ impl<'x> Model<'x> {
         }
     }
 
-    /// Whether a body has a joint of its own.
+    /// Whether a body moves relative to its parent: by a joint, or as a mocap body.
     fn moves(&self, body: usize) -> bool {
         let element = self.bodies[body].element;
         let has_joint = ["joint", "freejoint"]
@@ -204,7 +204,7 @@ fn platform_body(
     })
 }
 
-/// The cable of a tendon; the place from which it comes into the workspace becomes parameters.
+/// The cable of a tendon; the position from which it enters the workspace becomes parameters.
 fn cable(
     model: &Model<'_>,
     platform: usize,
@@ -236,7 +236,7 @@ fn cable(
             (guide, &model.bodies[from.body], run_m)
         }
     };
-    let rows: [fn(usize) -> Row; 2] = [Row::entry, Row::anchor];
+    let rows: [fn(usize) -> Setting; 2] = [Setting::entry, Setting::anchor];
     for (Placed { element, .. }, row) in [moved, end].into_iter().zip(rows) {
         if let (Some(place), Some(at)) = (element.attribute("name"), element.place("pos")) {
             let key = format!("{} {place} pos", element.name);

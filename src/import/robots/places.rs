@@ -1,8 +1,8 @@
-//! Tables of the places of pulleys and platform anchors, one row for each cable: sheets, texts, arrays of MATLAB and NumPy.
+//! Tables of the positions of pulleys and platform anchors, one row for each cable: sheets, texts, arrays of MATLAB and NumPy.
 //!
-//! A heading says of which part and along which axis a column is, in English or German: `pulley x [mm]`, `Rolle x`, `platform_y_m`,
-//! or the letters of equations, `geom.A` for the pulleys and `geom.B` for the platform anchors. What such a table does not state is
-//! assumed and said.
+//! A heading names the part and the axis of a column, in English or German: `pulley x [mm]`, `Rolle x`, `platform_y_m`, or
+//! the letters of equations, `geom.A` for the pulleys and `geom.B` for the platform anchors. Missing values are assumed and
+//! reported.
 
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{Cable, Home, Platform, Robot};
@@ -22,14 +22,14 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const MAX_CABLES: usize = 64;
 /// Largest frame of coordinates without a unit that are taken as metres; the largest of others are millimetres.
 const LARGEST_IN_METRES: f64 = 60.0;
-/// Standard deviation of a home in the middle of the frame, over the frame's size: it is a guess.
+/// Standard deviation of an assumed home in the middle of the frame, as a fraction of the frame's size.
 const HOME_SD: f64 = 0.05;
-/// Standard deviation of the rotation there (rad).
+/// Standard deviation of the rotation of an assumed home (rad).
 const HOME_ROTATION_SD_RAD: f64 = 0.05;
 
-/// What a column states of each cable.
+/// Property of a cable that a column states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
+enum Property {
     Pulley,
     Platform,
     PulleyRadius,
@@ -37,19 +37,19 @@ enum Part {
     GearRatio,
 }
 
-/// Beginnings of words, of each of which a heading has one, with its part and how many of this a number is; the most specific first.
-const HEADINGS: [(&[&[&str]], Part, f64); 7] = [
-    (&[DRUM, RADIUS], Part::DrumDiameter, 2.0),
-    (&[DRUM, DIAMETER], Part::DrumDiameter, 1.0),
+/// Lists of word beginnings, with the property and its factor: a heading has one word of each list. The most specific first.
+const HEADINGS: [(&[&[&str]], Property, f64); 7] = [
+    (&[DRUM, RADIUS], Property::DrumDiameter, 2.0),
+    (&[DRUM, DIAMETER], Property::DrumDiameter, 1.0),
     (
         &[&["gear", "getriebe", "übersetzung"]],
-        Part::GearRatio,
+        Property::GearRatio,
         1.0,
     ),
-    (&[PULLEY, RADIUS], Part::PulleyRadius, 1.0),
-    (&[PULLEY, DIAMETER], Part::PulleyRadius, 0.5),
-    (&[PLATFORM], Part::Platform, 1.0),
-    (&[PULLEY], Part::Pulley, 1.0),
+    (&[PULLEY, RADIUS], Property::PulleyRadius, 1.0),
+    (&[PULLEY, DIAMETER], Property::PulleyRadius, 0.5),
+    (&[PLATFORM], Property::Platform, 1.0),
+    (&[PULLEY], Property::Pulley, 1.0),
 ];
 const DRUM: &[&str] = &["drum", "spool", "trommel"];
 const RADIUS: &[&str] = &["radi"];
@@ -66,10 +66,10 @@ const PULLEY: &[&str] = &[
     "pulley", "rolle", "umlenk", "frame", "rahmen", "gestell", "base", "basis", "eyelet", "öse",
     "anchor",
 ];
-/// Words of what the rows of a table are.
+/// Words for the rows of a table.
 const ROWS: &[&str] = &["cable", "seil", "rope", "pulley", "rolle"];
 
-/// The places of the parts of each cable, as many of each as there are cables or none.
+/// The positions and sizes of the parts of each cable; each list has one element per cable or is empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PartPlaces {
     /// Names of the cables.
@@ -86,25 +86,27 @@ pub struct PartPlaces {
     pub gear_ratios: Vec<f64>,
 }
 
-/// A column that states something of each cable.
-struct Column<'s> {
-    part: Part,
+/// A column of a property of the cables.
+struct CableColumn<'s> {
+    property: Property,
     /// Axis, or number of the column in its matrix.
     index: usize,
-    /// How many metres its unit is, 1 for a ratio; `None` if it does not say.
+    /// Unit of the column in metres, 1 for a ratio; `None` if the heading does not state it.
     unit: Option<f64>,
-    /// How many of what is kept one of its numbers is: 2 diameters for a radius.
+    /// Factor from the numbers of the column to the property: 2 from a radius to a diameter.
     ratio: f64,
     values: &'s Values,
 }
 
-/// The places that a file states, and what was assumed of their unit; `None` if it holds other things.
+/// The positions that a file states, and the assumptions about their unit; `None` if it has other content.
 pub(crate) fn places_of(source: &Source) -> Option<(PartPlaces, Vec<String>)> {
     let is_short = |table: &&Series| (2..=MAX_CABLES).contains(&table.rows);
     let tables = || source.series.iter().filter(is_short);
-    let columns: Vec<Column<'_>> = tables().flat_map(columns).collect();
-    let pulleys = columns.iter().filter(|column| column.part == Part::Pulley);
-    let is_large = |column: &Column<'_>| {
+    let columns: Vec<CableColumn<'_>> = tables().flat_map(columns).collect();
+    let pulleys = columns
+        .iter()
+        .filter(|column| column.property == Property::Pulley);
+    let is_large = |column: &CableColumn<'_>| {
         column
             .values
             .iter()
@@ -114,12 +116,12 @@ pub(crate) fn places_of(source: &Source) -> Option<(PartPlaces, Vec<String>)> {
         true => (1e-3, "millimetres"),
         false => (1.0, "metres"),
     };
-    let pulleys_m = points(&columns, Part::Pulley, assumed)?;
+    let pulleys_m = points(&columns, Property::Pulley, assumed)?;
     let count = pulleys_m.len();
-    let numbers = |part: Part| -> Vec<f64> {
+    let numbers = |property: Property| -> Vec<f64> {
         let mut own = columns
             .iter()
-            .filter(|column| column.part == part && column.values.len() == count);
+            .filter(|column| column.property == property && column.values.len() == count);
         own.next()
             .map(|column| column.in_si(assumed))
             .unwrap_or_default()
@@ -128,15 +130,15 @@ pub(crate) fn places_of(source: &Source) -> Option<(PartPlaces, Vec<String>)> {
     let is_name = |text: &&TextChannel| text.codes.len() == count && text.distinct.len() == count;
     let named = tables().flat_map(|table| &table.texts).find(is_name);
     let name = |text: &TextChannel| (0..count).map(|row| text.at(row).to_owned()).collect();
-    let platform_m = points(&columns, Part::Platform, assumed);
+    let platform_m = points(&columns, Property::Platform, assumed);
     let places = PartPlaces {
         names: named.map(name).unwrap_or_default(),
         platform_m: platform_m
             .filter(|found| found.len() == count)
             .unwrap_or_default(),
-        radii_m: numbers(Part::PulleyRadius),
-        drum_diameters_m: numbers(Part::DrumDiameter),
-        gear_ratios: numbers(Part::GearRatio),
+        radii_m: numbers(Property::PulleyRadius),
+        drum_diameters_m: numbers(Property::DrumDiameter),
+        gear_ratios: numbers(Property::GearRatio),
         pulleys_m,
     };
     let is_assumed = columns.iter().any(|column| column.unit.is_none());
@@ -151,15 +153,15 @@ pub(crate) fn places_of(source: &Source) -> Option<(PartPlaces, Vec<String>)> {
     ))
 }
 
-impl Column<'_> {
+impl CableColumn<'_> {
     fn in_si(&self, assumed: f64) -> Vec<f64> {
         let factor = self.ratio * self.unit.unwrap_or(assumed);
         self.values.iter().map(|value| value * factor).collect()
     }
 }
 
-/// The columns of a table that state places or sizes; none if others are numbered, as readings of cables are.
-fn columns(table: &Series) -> Vec<Column<'_>> {
+/// The columns of a table that state positions or sizes; none if other columns are numbered, like readings of cables.
+fn columns(table: &Series) -> Vec<CableColumn<'_>> {
     let names = || table.channels.iter().map(|channel| &*channel.name);
     // Columns of x, y and z alone are those of the pulleys in a table whose rows are different pulleys or cables.
     let texts = (table.texts.iter()).filter(|text| text.distinct.len() == table.rows);
@@ -175,14 +177,14 @@ fn columns(table: &Series) -> Vec<Column<'_>> {
     let has_letters = is_symbol("a") && is_symbol("b");
     let column = |channel: &'_ Channel| {
         let name = &channel.name;
-        let is_meant = |(words, ..): &&(&[&[&str]], Part, f64)| {
+        let is_meant = |(words, ..): &&(&[&[&str]], Property, f64)| {
             words.iter().all(|stems| has_word(name, stems))
         };
         match (HEADINGS.iter().find(is_meant), symbol_of(name).as_deref()) {
-            (Some((_, part, ratio)), _) => Some((*part, *ratio)),
-            (None, Some("a")) if has_letters => Some((Part::Pulley, 1.0)),
-            (None, Some("b")) if has_letters => Some((Part::Platform, 1.0)),
-            (None, None) if is_of_parts => Some((Part::Pulley, 1.0)),
+            (Some((_, property, ratio)), _) => Some((*property, *ratio)),
+            (None, Some("a")) if has_letters => Some((Property::Pulley, 1.0)),
+            (None, Some("b")) if has_letters => Some((Property::Platform, 1.0)),
+            (None, None) if is_of_parts => Some((Property::Pulley, 1.0)),
             _ => None,
         }
     };
@@ -194,19 +196,19 @@ fn columns(table: &Series) -> Vec<Column<'_>> {
         return Vec::new();
     }
     let found = table.channels.iter().filter_map(|channel| {
-        let (part, ratio) = column(channel)?;
-        let is_point = matches!(part, Part::Pulley | Part::Platform);
+        let (property, ratio) = column(channel)?;
+        let is_point = matches!(property, Property::Pulley | Property::Platform);
         let unit = channel.unit.as_deref().and_then(parse_unit);
         let unit = unit.filter(|unit| unit.dimension == Dimension::Length);
-        Some(Column {
-            part,
+        Some(CableColumn {
+            property,
             index: if is_point {
                 index_of(&channel.name)?
             } else {
                 0
             },
-            unit: match part {
-                Part::GearRatio => Some(1.0),
+            unit: match property {
+                Property::GearRatio => Some(1.0),
                 _ => unit.map(|unit| unit.factor),
             },
             ratio,
@@ -239,17 +241,17 @@ fn index_of(name: &str) -> Option<usize> {
     axis.or_else(of_matlab).or_else(|| number("[", "]"))
 }
 
-/// The points of a part, one for each cable; matrices may have them in rows or in columns.
-fn points(columns: &[Column<'_>], part: Part, assumed: f64) -> Option<Vec<[f64; 3]>> {
-    let mut own: Vec<&Column<'_>> = columns
+/// The points of a property, one for each cable; matrices may have them in rows or in columns.
+fn points(columns: &[CableColumn<'_>], property: Property, assumed: f64) -> Option<Vec<[f64; 3]>> {
+    let mut own: Vec<&CableColumn<'_>> = columns
         .iter()
-        .filter(|column| column.part == part)
+        .filter(|column| column.property == property)
         .collect();
     own.sort_by_key(|column| column.index);
     let rows = own.first()?.values.len();
     let is_turned = own.len() > 3 && rows <= 3;
     let follows =
-        |pair: &[&Column<'_>]| pair[0].index < pair[1].index && pair[1].values.len() == rows;
+        |pair: &[&CableColumn<'_>]| pair[0].index < pair[1].index && pair[1].values.len() == rows;
     if own.len() < 2 || (own.len() > 3 && !is_turned) || !own.windows(2).all(follows) {
         return None;
     }
@@ -277,11 +279,11 @@ fn points(columns: &[Column<'_>], part: Part, assumed: f64) -> Option<Vec<[f64; 
 }
 
 impl PartPlaces {
-    /// The robot with these places. A platform without anchors is a point; without a third coordinate it moves in the plane. Winches,
-    /// home and noise are assumed where they are not stated.
+    /// The robot with these positions. A platform without anchors is a point; without a third coordinate it moves in the plane.
+    /// Winches, home and noise are assumed where they are not stated.
     ///
     /// # Errors
-    /// If no robot can have these places; names `file`.
+    /// If no robot can have these positions; names `file`.
     pub fn robot(&self, file: &str, mut notices: Vec<String>) -> Result<Loaded<Robot>, ReadError> {
         let normal = (0..3).find(|axis| {
             let points = self.pulleys_m.iter().chain(&self.platform_m);

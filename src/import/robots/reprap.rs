@@ -19,7 +19,7 @@ use tautline_core::robot::Robot;
 use tautline_session::ReadError;
 
 use super::description::{Description, Guide, cable_of, robot_of};
-use super::dialect::{Dialect, ForeignRobot, MM, Meaning, Row};
+use super::dialect::{Dialect, ForeignRobot, MM, Meaning, Setting};
 use super::settings::Settings;
 
 pub(super) static DIALECT: Dialect = Dialect {
@@ -33,36 +33,36 @@ pub(super) static DIALECT: Dialect = Dialect {
 /// Letters of the anchors in the order of the motors.
 const ANCHORS: [&str; 9] = ["A", "B", "C", "D", "I", "J", "K", "L", "O"];
 
-const ANCHOR: [Row; 3] = [
-    Row::point("M669 {cable}.0", 0, MM),
-    Row::point("M669 {cable}.1", 1, MM),
-    Row::point("M669 {cable}.2", 2, MM),
+const ANCHOR: [Setting; 3] = [
+    Setting::point("M669 {cable}.0", 0, MM),
+    Setting::point("M669 {cable}.1", 1, MM),
+    Setting::point("M669 {cable}.2", 2, MM),
 ];
 /// Of an anchor above the origin, older firmware states the height alone.
-const HEIGHT: Row = Row::point("M669 {cable}.0", 2, MM);
-const RADIUS: Row = Row {
+const HEIGHT: Setting = Setting::point("M669 {cable}.0", 2, MM);
+const RADIUS: Setting = Setting {
     meaning: Meaning::CablePerRevolution,
     range: 5.0,
     digits: 3,
-    ..Row::kept("M666 R.{index}", MM, 75.0)
+    ..Setting::kept("M666 R.{index}", MM, 75.0)
 };
 /// Increase of the squared spool radius per length of line.
-const BUILD_UP: Row = Row {
+const BUILD_UP: Setting = Setting {
     meaning: Meaning::BuildUp,
     range: 0.1,
     digits: 6,
-    ..Row::kept("M666 Q.0", MM, 0.007)
+    ..Setting::kept("M666 Q.0", MM, 0.007)
 };
-const STRANDS: Row = Row::kept("M666 U.{index}", ("strands", 1.0), 2.0);
-const LINES: Row = Row::kept("M666 O.{index}", ("lines", 1.0), 1.0);
-const MOTOR_TEETH: Row = Row::kept("M666 L.{index}", ("teeth", 1.0), 20.0);
-const SPOOL_TEETH: Row = Row::kept("M666 H.{index}", ("teeth", 1.0), 255.0);
-const MASS: Row = Row::kept("M666 W.0", ("kg", 1.0), 0.0);
-const STIFFNESS: Row = Row {
+const STRANDS: Setting = Setting::kept("M666 U.{index}", ("strands", 1.0), 2.0);
+const LINES: Setting = Setting::kept("M666 O.{index}", ("lines", 1.0), 1.0);
+const MOTOR_TEETH: Setting = Setting::kept("M666 L.{index}", ("teeth", 1.0), 20.0);
+const SPOOL_TEETH: Setting = Setting::kept("M666 H.{index}", ("teeth", 1.0), 255.0);
+const MASS: Setting = Setting::kept("M666 W.0", ("kg", 1.0), 0.0);
+const STIFFNESS: Setting = Setting {
     meaning: Meaning::Stiffness,
     range: 10_000.0,
     digits: 1,
-    ..Row::kept("M666 S.0", ("N", 1.0), 20_000.0)
+    ..Setting::kept("M666 S.0", ("N", 1.0), 20_000.0)
 };
 
 fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
@@ -70,7 +70,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     let common = (0, "");
     // Three values are an anchor, one is the kind of machine.
     if settings.text("M669 K.1").is_none() {
-        let kind = settings.get(&Row::kept("M669 K.0", ("", 1.0), 6.0), common)?;
+        let kind = settings.get(&Setting::kept("M669 K.0", ("", 1.0), 6.0), common)?;
         if kind != 6.0 {
             let message = format!("M669 K: found {kind}, expected 6, a Hangprinter");
             return Err(settings.error("M669 K.0", message));
@@ -78,7 +78,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     }
     let is_stated = |name: &&&str| settings.text(&format!("M669 {name}.0")).is_some();
     let stated = ANCHORS.iter().take_while(is_stated).count() as f64;
-    let count = settings.get(&Row::kept("M669 N.0", ("anchors", 1.0), stated), common)?;
+    let count = settings.get(&Setting::kept("M669 N.0", ("anchors", 1.0), stated), common)?;
     let mass_kg = settings.get(&MASS, common)?;
     let stiffness_n = settings.positive(&STIFFNESS, common)?;
     let build_up_m = settings.get(&BUILD_UP, common)?;

@@ -1,4 +1,4 @@
-//! The numbers of a text file with their keys and places, for reading them and for writing others in their place.
+//! The numbers of a text file with their keys and positions, for reading and for replacing them.
 //!
 //! | syntax | text | key |
 //! |---|---|---|
@@ -11,14 +11,14 @@
 
 use std::ops::Range;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
-use super::dialect::{Meaning, Parameter, Row};
+use super::dialect::{Meaning, Parameter, Setting};
 
 /// Deepest nesting of YAML.
 const MAX_DEPTH: usize = 64;
 
-/// All values of a text, and what was read of them.
+/// All values of a text, with a record of those that were read.
 #[derive(Debug)]
 pub(super) struct Settings<'t> {
     pub(super) file: &'t str,
@@ -61,7 +61,7 @@ impl<'t> Settings<'t> {
         &mut self,
         key: &str,
         cable: &str,
-        row: fn(usize) -> Row,
+        row: fn(usize) -> Setting,
     ) -> Result<[f64; N], ReadError> {
         let mut numbers = [0.0; N];
         for (index, number) in numbers.iter_mut().enumerate() {
@@ -76,7 +76,7 @@ impl<'t> Settings<'t> {
         key: &str,
         at: Range<usize>,
         cable: &str,
-        row: fn(usize) -> Row,
+        row: fn(usize) -> Setting,
     ) -> Result<(), ReadError> {
         self.push_list(key, self.text.get(at).unwrap_or_default());
         self.numbers::<3>(key, cable, row).map(drop)
@@ -166,7 +166,7 @@ impl<'t> Settings<'t> {
     /// The number of a row in SI units, for a cable with its index and name.
     pub(super) fn get(
         &mut self,
-        row: &Row,
+        row: &Setting,
         (index, name): (usize, &str),
     ) -> Result<f64, ReadError> {
         let key = row.key.replace("{cable}", name);
@@ -175,7 +175,12 @@ impl<'t> Settings<'t> {
     }
 
     /// The number of a row that stands under another key, in SI units.
-    pub(super) fn number(&mut self, row: &Row, key: String, cable: &str) -> Result<f64, ReadError> {
+    pub(super) fn number(
+        &mut self,
+        row: &Setting,
+        key: String,
+        cable: &str,
+    ) -> Result<f64, ReadError> {
         self.used.push(key.clone());
         let Some((text, at)) = self.text(&key).zip(self.place(&key)) else {
             let message = format!("found no {key}, expected a number in {}", row.unit.0);
@@ -200,7 +205,7 @@ impl<'t> Settings<'t> {
     }
 
     /// The number of a row, which must be positive.
-    pub(super) fn positive(&mut self, row: &Row, at: (usize, &str)) -> Result<f64, ReadError> {
+    pub(super) fn positive(&mut self, row: &Setting, at: (usize, &str)) -> Result<f64, ReadError> {
         let value = self.get(row, at)?;
         if value > 0.0 {
             return Ok(value);
@@ -213,21 +218,21 @@ impl<'t> Settings<'t> {
 
     /// An error about the value of a key, or about the file if the key is absent.
     pub(super) fn error(&self, key: &str, message: impl Into<String>) -> ReadError {
-        let place = self.place(key).map_or(Place::File, |at| {
+        let place = self.place(key).map_or(Location::File, |at| {
             let before = &self.text[..at.start];
             let line = before.rsplit('\n').next().unwrap_or_default();
             let lines = before.matches('\n').count() as u64;
-            Place::Character(lines + 1, line.chars().count() as u64 + 1)
+            Location::Character(lines + 1, line.chars().count() as u64 + 1)
         });
         ReadError::new(self.file, place, message)
     }
 
-    /// Whether there is a key with this beginning.
+    /// Whether any key begins with `prefix`.
     pub(super) fn has(&self, prefix: &str) -> bool {
         self.all.iter().any(|(key, _)| key.starts_with(prefix))
     }
 
-    /// The keys with one of these beginnings that nothing has read, a list of values as one, in a notice with a reason.
+    /// A notice with a reason about the unused keys with one of these beginnings; a list of values counts as one.
     pub(super) fn left_out(&self, prefixes: &[&str], why: &str) -> Option<String> {
         let is_meant = |key: &String| prefixes.iter().any(|prefix| key.starts_with(prefix));
         let keys = self.all.iter().map(|(key, _)| key);

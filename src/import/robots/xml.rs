@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 /// Deepest nesting of elements.
 const MAX_DEPTH: usize = 64;
 
-/// An element with what is in it.
+/// An element with its content.
 #[derive(Debug, Default)]
 pub(super) struct Element {
     pub name: String,
@@ -171,13 +171,13 @@ impl Element {
     pub fn error(&self, file: &str, message: &str) -> ReadError {
         ReadError::new(
             file,
-            Place::Line(self.line),
+            Location::Line(self.line),
             format!("<{}>: {message}", self.name),
         )
     }
 }
 
-/// Whether a text is XML in which an element has this beginning.
+/// Whether a text is XML with a tag that begins like `tag`.
 pub(super) fn has_tag(text: &str, tag: &str) -> bool {
     text.trim_start().starts_with('<') && text.contains(tag)
 }
@@ -193,7 +193,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
             .count() as u64
     };
     let fail = |position: u64, message: &str| {
-        ReadError::new(file, Place::Line(line_at(position)), message)
+        ReadError::new(file, Location::Line(line_at(position)), message)
     };
     let mut open: Vec<Element> = vec![Element::default()];
     loop {
@@ -243,12 +243,12 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
         (1, Some(root)) => Ok(root),
         (1, None) => Err(ReadError::new(
             file,
-            Place::File,
+            Location::File,
             "found no element, expected XML",
         )),
         _ => Err(ReadError::new(
             file,
-            Place::File,
+            Location::File,
             "ends within an element, expected the complete file",
         )),
     }

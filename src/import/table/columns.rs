@@ -1,6 +1,6 @@
 //! Cells to columns.
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use super::layout::Layout;
 use crate::source::{Filling, FillingTexts, Series};
@@ -9,9 +9,9 @@ use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
 /// Columns that are filled row by row.
 pub(crate) struct Columns {
     file: String,
-    columns: Vec<Column>,
+    columns: Vec<ColumnBuilder>,
     rows: usize,
-    /// Rows whose number of cells differs from that of the columns: line and cells of the first one, and how many.
+    /// Rows with too few or too many cells: line and number of cells of the first one, and the number of such rows.
     broken: Option<(u64, usize, usize)>,
     /// Line of the last row.
     last_line: u64,
@@ -19,18 +19,18 @@ pub(crate) struct Columns {
     decimals: [Option<u64>; 2],
 }
 
-struct Column {
+struct ColumnBuilder {
     name: String,
     unit: Option<String>,
     cells: Filling,
-    /// Whether its numbers are dates and times of day (s).
+    /// Whether the cells are dates and times of day, as numbers in seconds.
     is_time: bool,
-    /// Cells that are not readings: line and text of the first one, and how many.
+    /// Cells that are not readings: line and text of the first one, and their number.
     not_read: Option<(u64, String, usize)>,
 }
 
 impl Columns {
-    /// Columns of a layout; what each holds is found out from a sample of rows.
+    /// Columns of a layout; their types are determined from a sample of rows.
     pub fn new(file: &str, layout: &Layout, sample: &[(u64, &Cells)]) -> Self {
         let data = || {
             sample
@@ -40,7 +40,7 @@ impl Columns {
         };
         let column = |(k, (name, unit)): (usize, &(String, Option<String>))| {
             let (cells, is_time) = filling_like(data().map(|cells| cells.get(k)));
-            Column {
+            ColumnBuilder {
                 name: name.clone(),
                 unit: if is_time {
                     Some("s".into())
@@ -96,12 +96,12 @@ impl Columns {
             let message = format!(
                 "found a decimal {this} and, in line {where_else}, a decimal {other}, expected one of the two"
             );
-            return Err(ReadError::new(&self.file, Place::Line(line), message));
+            return Err(ReadError::new(&self.file, Location::Line(line), message));
         }
         Ok(())
     }
 
-    /// The series of these columns; what was not read is reported in notices.
+    /// The series of these columns; cells that were not read are reported in notices.
     ///
     /// # Errors
     /// If there is no row, or most rows have a different number of cells.
@@ -111,7 +111,7 @@ impl Columns {
             if count > self.rows {
                 let message =
                     format!("found {found} cells, expected {width} as in most of the first rows");
-                return Err(ReadError::new(file, Place::Line(line), message));
+                return Err(ReadError::new(file, Location::Line(line), message));
             }
             notices.push(match (count, line == self.last_line) {
                 (1, true) => format!("{file}, line {line}: the last row ends after {found} of {width} cells: left out"),
@@ -128,7 +128,7 @@ impl Columns {
             ..Series::default()
         };
         for column in self.columns {
-            let Column {
+            let ColumnBuilder {
                 name,
                 unit,
                 cells,
@@ -170,7 +170,7 @@ fn filling_like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> (Filling, b
     }
 }
 
-impl Column {
+impl ColumnBuilder {
     /// Adds a cell and returns the decimal separator of its number.
     fn push(&mut self, line: u64, cell: &str) -> Option<Decimal> {
         let mut decimal = None;

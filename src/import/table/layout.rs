@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use tautline_session::{Place, ReadError};
+use tautline_session::{Location, ReadError};
 
 use crate::text::{Cells, Separator, is_gap, parse_number, parse_timestamp};
 use crate::units::{are_units, bare, split_heading};
@@ -119,7 +119,7 @@ impl Layout {
         })
     }
 
-    /// Whether the columns are the name and the coordinates of points.
+    /// Whether the table is a list of points, each with a name and coordinates.
     pub fn is_point_list(&self) -> bool {
         !self.has_header && self.headings[0].0 == "name"
     }
@@ -136,7 +136,7 @@ impl Layout {
             "found {found} cells, expected {} as in most rows",
             self.headings.len()
         );
-        Err(ReadError::new(file, Place::Line(line), message))
+        Err(ReadError::new(file, Location::Line(line), message))
     }
 
     /// Sentences about lines that are not part of the table.
@@ -155,7 +155,7 @@ impl Layout {
     }
 }
 
-/// The commonest number of cells.
+/// The most frequent number of cells.
 fn width<'a>(rows: impl Iterator<Item = &'a Cells>) -> usize {
     let mut counts: HashMap<usize, usize> = HashMap::new();
     for cells in rows.filter(|cells| !cells.are_blank()) {
@@ -172,14 +172,14 @@ fn is_reading(cell: &str) -> bool {
     parse_number(cell).is_some() || parse_timestamp(cell).is_some()
 }
 
-/// Whether at least half of the cells that are not empty are readings.
+/// Whether a row is data: at least half of its filled cells are readings.
 fn is_data(cells: &Cells) -> bool {
     let readings = cells.iter().filter(|cell| is_reading(cell)).count();
     let filled = cells.iter().filter(|cell| !is_gap(cell)).count();
     readings > 0 && readings * 2 >= filled
 }
 
-/// Whether a row is a setting of the recorder, a key and its value: `Abtastrate;1000`, perhaps with a unit.
+/// Whether a row is a setting of the recorder: a key, its value and perhaps a unit, such as `Abtastrate;1000`.
 fn is_setting(cells: &Cells) -> bool {
     let filled = cells.iter().filter(|cell| !is_gap(cell)).count();
     !is_gap(cells.get(0)) && !is_reading(cells.get(0)) && filled <= 3

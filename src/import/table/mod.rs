@@ -3,7 +3,7 @@
 mod columns;
 mod layout;
 
-use tautline_session::{Place, ReadError};
+use tautline_session::{Location, ReadError};
 
 use crate::source::Series;
 use crate::text::Cells;
@@ -44,5 +44,5 @@ pub(crate) fn read_rows(
 /// The error that a table has no rows of numbers.
 pub(crate) fn no_numbers(file: &str) -> ReadError {
     let message = "found no row of numbers, expected a table with a reading in each column";
-    ReadError::new(file, Place::File, message)
+    ReadError::new(file, Location::File, message)
 }

@@ -2,12 +2,12 @@
 
 use std::io::{Read, Result as IoResult};
 
-/// How a text is encoded.
+/// Encoding of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
     /// UTF-8, or Windows-1252 (Latin-1 with the characters that Windows adds) in lines that are not UTF-8.
     Bytes {
-        /// Whether such a line was found.
+        /// Whether any line is Windows-1252.
         latin: bool,
     },
     /// UTF-16, as Excel writes "Unicode text".
@@ -39,7 +39,7 @@ impl Encoding {
     /// The bytes after a byte order mark.
     pub fn skip_mark<R: Read>(self, mut reader: R) -> impl Read {
         let mut first = Vec::new();
-        // What cannot be read here cannot be read below either, where the error is reported.
+        // An error here occurs again below, where it is reported.
         let _ = (&mut reader).take(3).read_to_end(&mut first);
         let skipped = match self {
             Self::Utf16 { .. } if matches!(first[..], [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) => 2,

@@ -8,7 +8,7 @@ mod timestamp;
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read};
 
-use tautline_session::{Place, ReadError};
+use tautline_session::{Location, ReadError};
 
 use crate::input::Input;
 use crate::memory::{MemoryBudget, OverBudget};
@@ -69,12 +69,12 @@ impl<'a> Lines<'a> {
     /// Counts the values of a row in the memory for the file: a short line may stand for as many as a long one.
     pub fn take_values(&self, count: usize) -> Result<(), ReadError> {
         let failed = |over: OverBudget| {
-            ReadError::new(self.file, Place::Line(self.number), over.to_string())
+            ReadError::new(self.file, Location::Line(self.number), over.to_string())
         };
         self.budget.take_values(count).map_err(failed)
     }
 
-    /// How the text is encoded, in words.
+    /// Encoding of the text.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
@@ -99,7 +99,7 @@ impl<'a> Lines<'a> {
 
     fn read(&mut self) -> Result<bool, ReadError> {
         self.raw.clear();
-        let place = |number| Place::Line(number);
+        let place = |number| Location::Line(number);
         let mut limited = (&mut self.reader).take(MAX_LINE);
         let read = limited.read_until(b'\n', &mut self.raw);
         let read =

@@ -5,7 +5,7 @@
 //! re-established and the values are read again: they are all new, all old, or mixed. A mixture requires that the
 //! operator arms the controller again, after which [`settle_adjustment`] restores the old values.
 //!
-//! Once another program has armed, the controller takes nothing more from this one: what it holds is read and said.
+//! Once another program has armed, the controller takes no more values from this one: those it holds are read and reported.
 //!
 //! A controller may hold NaN or infinity. Such a value is overwritten like any other, but cannot be
 //! restored, because only finite numbers are written.
@@ -43,7 +43,7 @@ pub struct Difference {
     /// Value in the controller, which may be NaN or infinite; `None` if it has no such parameter, so that the value cannot be
     /// written.
     pub controller: Option<f64>,
-    /// Identified value; of an effect that the model lacks the value without effect, `None` if that is not known.
+    /// Identified value. For an effect that the model lacks: the neutral value, or `None` if that is unknown.
     pub identified: Option<f64>,
     /// Whether the model has the parameter.
     pub in_model: bool,
@@ -54,15 +54,15 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Whether the controller holds a different value that can be overwritten.
+    /// Whether the controller holds another value than the identified one.
     #[must_use]
     pub fn is_writable_change(&self) -> bool {
         let both = self.controller.zip(self.identified);
         both.is_some_and(|(held, identified)| !is_held(held, identified))
     }
 
-    /// Whether the controller corrects an effect that neither the model nor this program knows: nobody can say which value
-    /// ends that.
+    /// Whether the controller corrects an effect that neither the model nor this program knows, so that its neutral value is
+    /// unknown.
     #[must_use]
     pub fn is_unknown_effect(&self) -> bool {
         let is_effect = EffectName::read(&self.name).is_some();
@@ -70,8 +70,8 @@ impl Difference {
     }
 }
 
-/// Compares every parameter of the identified model and of the controller. An effect that the model lacks is to be neutral in
-/// the controller, which would go on correcting it.
+/// Compares every parameter of the identified model and of the controller. An effect that the model lacks gets its neutral
+/// value, because the controller would otherwise go on correcting it.
 #[must_use]
 pub fn plan_adjustment(
     controller: &[ParameterInfo],
@@ -184,13 +184,13 @@ pub struct Adjustment {
     pub holds: ControllerValues,
     /// The previous values, to be restored by hand or with [`write_adjustment`].
     pub old: Vec<(String, f64)>,
-    /// What went wrong, if anything.
+    /// Problem, if there was one.
     pub problem: Option<String>,
-    /// What to do next, in one sentence.
+    /// Next step for the operator, in one sentence.
     pub advice: String,
 }
 
-/// All parameters with their values, as two readings in succession agree on them.
+/// All parameters with their values, on which two successive readings agree.
 ///
 /// # Errors
 /// If the connection is lost, or the readings keep differing; the values are named.
@@ -205,7 +205,7 @@ pub fn read_parameters(controller: &mut dyn Controller) -> Result<Vec<ParameterI
     Ok(parameters)
 }
 
-/// The values on which two readings in succession agree, after a first one; those that are not numbers agree.
+/// The values on which two successive readings agree, the first of which is given; values that are not numbers agree.
 fn confirmed(
     controller: &mut dyn Controller,
     names: &[String],

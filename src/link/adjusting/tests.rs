@@ -180,7 +180,7 @@ fn every_parameter_of_the_controller_is_a_line() {
     };
     assert_eq!(scale.name, "effect.winch_scale.cable-3.scale");
     assert_eq!((scale.in_model, scale.identified), (false, Some(0.0)));
-    // Nobody knows what ends the other one.
+    // The neutral value of the other effect is unknown.
     let unknown: Vec<_> = plan
         .iter()
         .filter(|line| line.is_unknown_effect())
@@ -239,7 +239,7 @@ fn nobody_waits_for_a_controller_once_it_is_given_up() {
     assert!(adjustment.problem.unwrap().contains("interrupted"));
 }
 
-/// A controller that holds what is no number, and misreads values: one of these instead, at each reading in turn.
+/// A controller that holds values that are not numbers, and misreads values: one of the replacements at each reading in turn.
 struct Odd(Vec<(String, f64)>, Vec<Option<(&'static str, f64)>>);
 
 impl Controller for Odd {
@@ -321,7 +321,7 @@ fn what_is_no_number_is_overwritten_and_cannot_be_restored() {
         advice.ends_with("that were not numbers before: a."),
         "{advice}"
     );
-    // The value that does not arrive brings the others back, as far as they were numbers.
+    // If one value is not taken over, the others are restored, as far as they were numbers.
     let mut odd = Odd(named([f64::INFINITY, 1.0, 3.0]), Vec::new());
     let adjustment = write_adjustment(&mut odd, &named([4.0, 5.0, 6.0])).unwrap();
     assert_eq!(adjustment.holds, ControllerValues::Old);

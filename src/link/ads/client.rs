@@ -5,9 +5,9 @@
 
 use super::address::AdsAddress;
 use super::codes::{AdsCode, RUN, state_name};
-use super::notifications::{self, Row, Rows};
+use super::notifications::{self, NotifiedValues, Rows};
 use super::options::AdsOptions;
-use super::symbols::{Place, Symbol};
+use super::symbols::{Symbol, SymbolAddress};
 use super::wire::{AmsAddress, Command, Wire, words};
 use crate::error::LinkError;
 use crate::timed_socket::{SocketError, addresses_of, timeout_of};
@@ -43,6 +43,8 @@ pub(super) enum RequestError {
 }
 
 type Answer<T> = Result<T, RequestError>;
+/// An error comes with the index of the value that was not written.
+type WriteAnswer = Result<(), (RequestError, usize)>;
 
 /// A connection to a controller.
 pub(super) struct AdsClient {
@@ -50,11 +52,11 @@ pub(super) struct AdsClient {
     timeout_s: f64,
     /// The present request, for the message if it is not answered.
     request: String,
-    /// Whether the controller accepts several parts in one request.
+    /// Whether the controller accepts sum commands, i.e. several parts in one request.
     sums: bool,
     /// Handles of the subscriptions.
     handles: Vec<u32>,
-    /// While there are any.
+    /// Collector of notifications; `None` without subscriptions.
     rows: Option<Rows>,
 }
 
@@ -173,8 +175,8 @@ impl AdsClient {
             .ok_or_else(|| broken("the description of a symbol is incomplete"))
     }
 
-    /// Reads places; returns the bytes of each, or the reason of its rejection.
-    pub fn read(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
+    /// Reads symbols; returns the bytes of each, or the code of its rejection.
+    pub fn read(&mut self, places: &[SymbolAddress]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let mut all = Vec::with_capacity(places.len());
         for part in batches(places, |place| place.size) {
             self.request = format!("to read {} of {} symbols", part.len(), places.len());
@@ -193,7 +195,7 @@ impl AdsClient {
         Ok(all)
     }
 
-    fn read_together(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
+    fn read_together(&mut self, places: &[SymbolAddress]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let heads: Vec<u8> = (places.iter().flat_map(|p| p.head().concat())).collect();
         let sizes: usize = places.iter().map(|place| place.size).sum();
         let longest = 8 * places.len() + sizes;
@@ -203,8 +205,8 @@ impl AdsClient {
             .ok_or_else(|| broken("the length of an answer differs from that of its parts"))
     }
 
-    fn read_singly(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
-        let mut read = |place: &Place| match self.ask_for_data(
+    fn read_singly(&mut self, places: &[SymbolAddress]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
+        let mut read = |place: &SymbolAddress| match self.ask_for_data(
             Command::Read,
             &place.head().concat(),
             place.size,
@@ -217,9 +219,9 @@ impl AdsClient {
         places.iter().map(&mut read).collect()
     }
 
-    /// Subscribes to places, sent every `every_s` seconds; all of them or, after a rejection, none. Returns the
+    /// Subscribes to symbols, sent every `every_s` seconds; all of them or, after a rejection, none. Returns the
     /// handle of each.
-    pub fn subscribe(&mut self, places: &[Place], every_s: f64) -> Answer<Vec<u32>> {
+    pub fn subscribe(&mut self, places: &[SymbolAddress], every_s: f64) -> Answer<Vec<u32>> {
         self.unsubscribe()?;
         self.request = format!("to send {} symbols in every cycle", places.len());
         self.wire.keep_notifications();
@@ -251,8 +253,8 @@ impl AdsClient {
         Ok(())
     }
 
-    /// The received values of all subscribed places, by cycle, the oldest first.
-    pub fn notified(&mut self) -> Answer<Vec<Row>> {
+    /// The received values of all subscribed symbols, by cycle, the oldest first.
+    pub fn notified(&mut self) -> Answer<Vec<NotifiedValues>> {
         let frames = self.wire.take_notifications();
         "for the rest of a notification".clone_into(&mut self.request);
         let frames = frames.map_err(|broken| self.lost(broken))?;
@@ -264,8 +266,8 @@ impl AdsClient {
         Ok(rows.collect())
     }
 
-    /// Writes places in order and stops after the batch of the first rejected one, whose index is returned.
-    pub fn write(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
+    /// Writes symbols in order and stops after the batch of the first rejected one, whose index is returned.
+    pub fn write(&mut self, values: &[(SymbolAddress, Vec<u8>)]) -> WriteAnswer {
         let mut done = 0;
         for part in batches(values, |(place, _)| place.size) {
             self.request = format!("to write {} of {} values", part.len(), values.len());
@@ -288,12 +290,12 @@ impl AdsClient {
         Ok(())
     }
 
-    /// Whether the controller accepts several parts in one request, found out by a read.
+    /// Whether the controller accepts sum commands, tested by reading the version of the symbols.
     fn knows_sums(&mut self) -> bool {
-        self.read_together(&[Place::VERSION]).is_ok()
+        self.read_together(&[SymbolAddress::VERSION]).is_ok()
     }
 
-    fn write_together(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
+    fn write_together(&mut self, values: &[(SymbolAddress, Vec<u8>)]) -> WriteAnswer {
         let heads = values.iter().flat_map(|(place, _)| place.head().concat());
         let bytes = values.iter().flat_map(|(_, bytes)| bytes.iter().copied());
         let request: Vec<u8> = heads.chain(bytes).collect();
@@ -314,7 +316,7 @@ impl AdsClient {
         }
     }
 
-    fn write_singly(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
+    fn write_singly(&mut self, values: &[(SymbolAddress, Vec<u8>)]) -> WriteAnswer {
         for (index, (place, bytes)) in values.iter().enumerate() {
             let request = [place.head().concat(), bytes.clone()].concat();
             let asked = self.ask(Command::Write, &request, 0);
@@ -363,7 +365,7 @@ fn batches<T>(list: &[T], size: impl Fn(&T) -> usize) -> Vec<&[T]> {
 
 /// The parts of a response: an error code and a length for each, then the bytes. Controllers either pad or omit the bytes
 /// of a rejected part.
-fn split(answer: &[u8], places: &[Place]) -> Option<Vec<Result<Vec<u8>, AdsCode>>> {
+fn split(answer: &[u8], places: &[SymbolAddress]) -> Option<Vec<Result<Vec<u8>, AdsCode>>> {
     let (heads, mut rest) = answer.split_at_checked(8 * places.len())?;
     let heads: Vec<(u32, usize)> = heads
         .chunks_exact(8)
@@ -388,8 +390,8 @@ fn split(answer: &[u8], places: &[Place]) -> Option<Vec<Result<Vec<u8>, AdsCode>
 mod tests {
     use super::*;
 
-    fn places() -> [Place; 3] {
-        [4, 2, 1].map(|size| Place {
+    fn places() -> [SymbolAddress; 3] {
+        [4, 2, 1].map(|size| SymbolAddress {
             group: 1,
             offset: 2,
             size,

@@ -11,7 +11,7 @@ const EVERY_CYCLE: u32 = 3;
 /// Length of the reserved part of a subscription (bytes).
 const RESERVED: usize = 16;
 
-/// The end of a subscription request, after the place: transmission mode and interval.
+/// The end of a subscription request, after the address: transmission mode and interval.
 pub(super) fn cycle(every_s: f64) -> Vec<u8> {
     // No delay beyond the cycle, so that values are shown at once.
     let words = [EVERY_CYCLE, 0, units(every_s)].map(u32::to_le_bytes);
@@ -24,16 +24,16 @@ fn units(every_s: f64) -> u32 {
     (every_s * UNITS_PER_S).round() as u32
 }
 
-/// Values that belong together, by subscription.
-pub(super) type Row = BTreeMap<u32, Vec<u8>>;
+/// Values of one instant, by subscription.
+pub(super) type NotifiedValues = BTreeMap<u32, Vec<u8>>;
 
-/// Collects values that belong together. They may arrive in several frames and, as subscriptions begin in different cycles of
+/// Collects the values of one instant. They may arrive in several frames and, as subscriptions begin in different cycles of
 /// the controller, with stamps that differ by less than the interval of the subscriptions.
 #[derive(Debug)]
 pub(super) struct Rows {
     /// Interval of the subscriptions, in units of the stamps.
     every: u64,
-    /// What arrived since the last row, with its stamp.
+    /// Values received since the last row, with their stamps.
     latest: BTreeMap<u32, (u64, Vec<u8>)>,
 }
 
@@ -48,13 +48,13 @@ impl Rows {
 
     /// Adds a frame and returns the rows that have a value for each of `subscriptions` subscriptions. Inconsistent
     /// frames and rows with gaps are dropped.
-    pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<Row> {
+    pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<NotifiedValues> {
         let mut full = Vec::new();
         for (stamp, samples) in parse(frame).unwrap_or_default() {
             for (handle, bytes) in samples {
                 self.latest.insert(handle, (stamp, bytes.to_vec()));
             }
-            // What is an interval old has its own successor on the way.
+            // A value older than an interval is replaced by its successor.
             self.latest
                 .retain(|_, (at, _)| stamp.abs_diff(*at) < self.every);
             if self.latest.len() == subscriptions {
@@ -127,7 +127,7 @@ mod tests {
         [&(rest.len() as u32).to_le_bytes()[..], &rest].concat()
     }
 
-    fn row(values: [&[u8]; 2]) -> Row {
+    fn row(values: [&[u8]; 2]) -> NotifiedValues {
         (1..).zip(values.map(<[u8]>::to_vec)).collect()
     }
 
@@ -143,7 +143,7 @@ mod tests {
             frame(&[(10, &[(2, &b)]), (20, &[(2, &d)])]),
             frame(&[(20, &[(1, &c)])]),
         ];
-        let taken: Vec<Row> = parts.iter().flat_map(|part| rows.take(part, 2)).collect();
+        let taken: Vec<NotifiedValues> = parts.iter().flat_map(|part| rows.take(part, 2)).collect();
         assert_eq!(taken, expected);
     }
 

@@ -3,9 +3,9 @@
 use super::address::AdsAddress;
 use super::client::{AdsClient, RequestError};
 use super::codes::AdsCode;
-use super::notifications::Row;
+use super::notifications::NotifiedValues;
 use super::options::AdsOptions;
-use super::symbols::{Place, Symbol, encode};
+use super::symbols::{Symbol, SymbolAddress, encode};
 use crate::error::LinkError;
 use crate::symbols::{
     Failure, RequiredSymbol, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, each_once,
@@ -41,7 +41,7 @@ impl SymbolServer for AdsServer {
         if !running {
             return Err(LinkError::Refused(not_running(&state)));
         }
-        let version = client.read(&[Place::VERSION]).map_err(to_error)?;
+        let version = client.read(&[SymbolAddress::VERSION]).map_err(to_error)?;
         let version = version.into_iter().next().and_then(Result::ok);
         Ok(Box::new(Program {
             client,
@@ -95,7 +95,7 @@ impl SymbolAccess for Program {
         let Some(known) = self.version else {
             return Ok(());
         };
-        let now = self.client.read(&[Place::VERSION]);
+        let now = self.client.read(&[SymbolAddress::VERSION]);
         let now = now.map_err(|e| failure(e, "the version of the program"))?;
         match now.iter().flatten().any(|bytes| *bytes != [known]) {
             true => Err(program_changed()),
@@ -105,9 +105,9 @@ impl SymbolAccess for Program {
 
     fn read(&mut self, indices: &mut dyn Iterator<Item = usize>) -> Result<SymbolValues, Failure> {
         let wanted = each_once(indices, self.symbols.len());
-        let version = self.version.map(|_| Place::VERSION);
+        let version = self.version.map(|_| SymbolAddress::VERSION);
         let places = wanted.iter().map(|index| self.symbols[*index].place());
-        let places: Vec<Place> = version.into_iter().chain(places).collect();
+        let places: Vec<SymbolAddress> = version.into_iter().chain(places).collect();
         let answers = self.client.read(&places);
         let answers = answers.map_err(|e| failure(e, "reading symbols"))?;
         let mut answers = answers.into_iter();
@@ -133,7 +133,7 @@ impl SymbolAccess for Program {
     ) -> Result<(), Failure> {
         let wanted = each_once(indices, self.symbols.len());
         let places = wanted.iter().map(|index| self.symbols[*index].place());
-        let places: Vec<Place> = places.collect();
+        let places: Vec<SymbolAddress> = places.collect();
         self.subscribed.clear();
         let handles = self.client.subscribe(&places, every_s);
         let handles = handles.map_err(|e| failure(e, "subscribing to symbols"))?;
@@ -144,7 +144,7 @@ impl SymbolAccess for Program {
     fn sent(&mut self) -> Result<Vec<SymbolValues>, Failure> {
         let rows = self.client.notified();
         let rows = rows.map_err(|e| failure(e, "subscribed symbols"))?;
-        let values = |row: Row| {
+        let values = |row: NotifiedValues| {
             let mut contents = vec![None; self.symbols.len()];
             for (handle, index) in &self.subscribed {
                 let symbol = &self.symbols[*index];

@@ -5,15 +5,15 @@ use crate::symbols::{Content, Expected, RequiredSymbol, ValueKind};
 /// Largest symbol (bytes), so that an invalid response cannot fill the memory.
 const LARGEST: usize = 1 << 20;
 
-/// The address of data in the controller.
+/// Address of a symbol's data in the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct SymbolAddress {
     pub group: u32,
     pub offset: u32,
     pub size: usize,
 }
 
-impl Place {
+impl SymbolAddress {
     /// The version of the symbols, which changes with the program, so that addresses are never used in another program.
     pub const VERSION: Self = Self {
         group: 0xF008,
@@ -163,8 +163,8 @@ impl Symbol {
     }
 
     /// Address of all its data.
-    pub fn place(&self) -> Place {
-        Place {
+    pub fn place(&self) -> SymbolAddress {
+        SymbolAddress {
             group: self.group,
             offset: self.offset,
             size: self.size,
@@ -172,10 +172,10 @@ impl Symbol {
     }
 
     /// Address of an element.
-    pub fn element_place(&self, element: usize) -> Option<Place> {
+    pub fn element_place(&self, element: usize) -> Option<SymbolAddress> {
         let size = self.kind.size();
         let offset = u32::try_from(element.checked_mul(size)?).ok()?;
-        (element < self.count()).then_some(Place {
+        (element < self.count()).then_some(SymbolAddress {
             group: self.group,
             offset: self.offset.checked_add(offset)?,
             size,

@@ -220,7 +220,7 @@ impl Wire {
     }
 }
 
-/// Whether a frame of this kind contains ADS data; other frames of a router may arrive at any time.
+/// Whether a frame contains ADS data; other frames of a router may arrive at any time.
 fn is_ads(kind: u16) -> Result<bool, SocketError> {
     match kind {
         0 => Ok(true),

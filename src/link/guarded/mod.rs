@@ -44,7 +44,7 @@ pub struct GuardedController<C: ?Sized> {
     seen: Option<LastState>,
     /// Evidence of a restart after which the robot was not homed.
     restarted: Option<String>,
-    /// Whether it was armed here and its connection has not ended since, as far as observed.
+    /// Whether it was armed through this guard, in a connection that is not known to have ended since.
     armed: Cell<bool>,
 }
 
@@ -113,7 +113,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         answer
     }
 
-    /// Checks that it may move and change values; a controller that is armed only on its own side is disarmed.
+    /// Checks that motion and writing are permitted; a controller that is armed only on its own side is disarmed.
     fn check_armed(&mut self) -> Result<(), LinkError> {
         let inner = self.inner.state();
         let state = self.state();

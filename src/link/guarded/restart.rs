@@ -22,7 +22,7 @@ pub struct LastState {
     pub resting: Option<Pose>,
     /// Motor revolutions at that time.
     pub revolutions: Vec<f64>,
-    /// Whether the connection has ended since.
+    /// Whether the connection was lost or closed since then.
     pub was_away: bool,
 }
 

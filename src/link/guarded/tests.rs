@@ -29,7 +29,7 @@ fn an_overloaded_cable_stops_every_motion_until_the_operator_has_decided() {
     );
     assert_eq!(robot.last().unwrap().force_n[1], 400.0);
     assert_eq!(robot.state().activity, Activity::Still);
-    // As long as it pulls, and however often it is told to move.
+    // As long as the cable is overloaded, for every command.
     for _ in 0..2 {
         assert_eq!(robot.sample().unwrap_err().to_string(), told);
         robot.command(&target).unwrap();
@@ -42,7 +42,7 @@ fn an_overloaded_cable_stops_every_motion_until_the_operator_has_decided() {
     clock.advance(0.01);
     assert!(robot.sample().is_ok());
     assert_eq!(robot.state().activity, Activity::Moving);
-    // What was accepted may not get worse, and is not accepted any more once it was well.
+    // An accepted overload must not increase, and has to be accepted again after it has ended.
     let pulling = |reading_n| {
         vec![Fault::Tension {
             cable: 1,
@@ -74,22 +74,22 @@ fn a_restarted_controller_is_only_sent_home() {
     assert!(matches!(told, LinkError::Restarted(_)), "{told}");
     station.home().unwrap();
     assert_eq!(station.command(&pose), Ok(()));
-    // Amid a connection it disarms.
+    // A restart within a connection disarms.
     station.sample().unwrap();
     station.inner.sample.started = Some(5.0);
     assert!(matches!(station.sample(), Err(LinkError::Restarted(_))));
     assert!(!station.state().armed);
 }
 
-/// A controller that does whatever it is told, armed or not, and connects again by itself.
+/// A controller that obeys every command, armed or not, and reconnects on its own.
 struct Bad {
     sample: Sample,
     activity: Activity,
     armed: bool,
-    /// Whether it arms when told to.
+    /// Whether arming succeeds.
     arms: bool,
     loses: bool,
-    /// What reached it.
+    /// Commands that reached the controller.
     heard: Vec<&'static str>,
 }
 
@@ -173,7 +173,7 @@ impl Controller for Bad {
     }
 }
 
-/// What nothing but an armed station lets through.
+/// Results of the commands that only an armed station passes on.
 fn moves_and_writes(
     station: &mut GuardedController<Bad>,
     pose: &Pose,
@@ -214,7 +214,7 @@ fn nothing_moves_unless_it_was_armed_here() {
 fn a_connection_that_comes_back_by_itself_is_not_armed() {
     let preset = preset("mini");
     let pose = preset.workspace.centre;
-    // It shows in the state, or in an answer.
+    // The loss appears in the state, or in an answer.
     let losses: [fn(&mut GuardedController<Bad>); 4] = [
         |station| {
             station.inner.activity = Activity::Disconnected;

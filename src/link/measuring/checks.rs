@@ -60,9 +60,9 @@ pub struct Warning {
     pub cable: Option<usize>,
     /// The warning in one sentence.
     pub text: String,
-    /// Whether the pose cannot be used.
+    /// Whether the pose is rejected.
     pub refuses: bool,
-    /// Whether a force sensor is dead, so that its cable has no protection from overload.
+    /// Whether a force sensor is dead, so that its cable is not protected from overload.
     pub is_dead_sensor: bool,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct MotionRecord {
     laser_changed: bool,
 }
 
-/// Whether a reading changed; a missing reading does not count.
+/// Whether a reading changed by at least one bit; a missing one does not count as a change.
 fn differs(now: f64, then: f64) -> bool {
     now.is_finite() && now.to_bits() != then.to_bits()
 }

@@ -93,8 +93,8 @@ pub enum MeasuringEvent {
     Paused {
         /// The reason, for the operator.
         reason: String,
-        /// Whether only the operator may decide to continue, by [`Controller::accept_overload`]: a cable is overloaded, or nothing
-        /// would show that it is.
+        /// Whether the operator has to decide, by [`Controller::accept_overload`]: a cable is overloaded, or its force sensor is
+        /// dead and an overload would not be detected.
         is_overload: bool,
     },
     /// All poses are measured or skipped.
@@ -120,14 +120,14 @@ pub enum Stage {
     Ended,
 }
 
-/// Which values of the controller were read last.
+/// Stage of the last reading of the controller's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ValuesRead {
-    /// None so far.
+    /// Not read so far.
     None,
-    /// Those at the start of the run.
+    /// Read at the start of the run.
     AtStart,
-    /// Those at its end.
+    /// Read at the end of the run.
     AtEnd,
 }
 
@@ -148,7 +148,7 @@ pub struct MeasuringRun {
     window: SettlingWindow,
     samples: Vec<Sample>,
     motion: Option<MotionRecord>,
-    /// Cables with dead force sensors without which the operator goes on, and those that are asked about.
+    /// Cables with dead force sensors that the operator has accepted, and those for which a decision is pending.
     unprotected: Vec<Option<usize>>,
     asked_about: Vec<Option<usize>>,
     /// Cables whose encoders jumped on the way to the present pose; `None` is the laser.
@@ -243,7 +243,7 @@ impl MeasuringRun {
         self.stage
     }
 
-    /// Whether it is paused.
+    /// Whether the run is paused.
     #[must_use]
     pub fn is_paused(&self) -> bool {
         self.paused
@@ -302,8 +302,8 @@ impl MeasuringRun {
         }
     }
 
-    /// Resumes. The present pose is approached again, unless it is waiting to be stored. Force sensors that were asked about are
-    /// not asked about again.
+    /// Resumes. The present pose is approached again, unless it is waiting to be stored. The operator is not asked again about
+    /// the same force sensors.
     pub fn resume(&mut self) {
         if std::mem::take(&mut self.paused) {
             self.unprotected.append(&mut self.asked_about);

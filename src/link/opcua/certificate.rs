@@ -1,4 +1,4 @@
-//! Certificates: their fields, and whether that of a server can be used.
+//! Certificates: their fields, and the check of a server's certificate.
 
 use std::net::IpAddr;
 use std::time::SystemTime;
@@ -18,7 +18,7 @@ const KEY_BITS: std::ops::RangeInclusive<usize> = 2048..=4096;
 /// Uses of a key, by their identifiers: server authentication, and any.
 const SERVER_USES: [&str; 2] = ["1.3.6.1.5.5.7.3.1", "2.5.29.37.0"];
 
-/// Why a key does not have a size that the policies allow, as the rest of a sentence.
+/// The reason why the size of a key is not allowed by the policies, as the rest of a sentence.
 pub(super) fn size_problem(key: &PublicKey) -> Option<String> {
     let bits = key.bit_length();
     let (low, high) = (KEY_BITS.start(), KEY_BITS.end());
@@ -71,8 +71,8 @@ impl Fields {
         day(&self.0.tbs_certificate.validity.not_after)
     }
 
-    /// Why it is not valid at a time, as the rest of a sentence that begins with the certificate; `advice` is what to do about
-    /// one that has expired.
+    /// The reason why the certificate is not valid at a time, as the rest of a sentence that begins with the certificate;
+    /// `advice` is for an expired one.
     pub fn time_problem(&self, now: SystemTime, advice: &str) -> Option<String> {
         let validity = &self.0.tbs_certificate.validity;
         if now > validity.not_after.to_system_time() {
@@ -87,7 +87,7 @@ impl Fields {
         })
     }
 
-    /// Why it is not that of a computer.
+    /// The reason why it is not the certificate of a host.
     fn host_problem(&self, host: &str) -> Option<String> {
         let hosts = self.hosts();
         let address = host.parse::<IpAddr>().ok();
@@ -109,7 +109,7 @@ impl Fields {
         })
     }
 
-    /// Why it is not that of the application as the server calls itself, if it does.
+    /// The reason why it is not the certificate of the application named by the server, if it names one.
     fn application_problem(&self, application: &str) -> Option<String> {
         let own = self.uri().unwrap_or_default();
         (own != application && !application.is_empty()).then(|| {
@@ -118,7 +118,7 @@ impl Fields {
         })
     }
 
-    /// Why its key may not be used for this.
+    /// The reason why its key may not be used for server authentication.
     fn use_problem(&self) -> Option<String> {
         let fields = &self.0.tbs_certificate;
         let Ok(usage) = fields.get::<KeyUsage>() else {
@@ -162,7 +162,7 @@ impl ServerCertificate {
         let unreadable = || wrong("cannot be read".to_owned());
         let der = first(sent).ok_or_else(unreadable)?;
         let certificate = X509::from_der(der).map_err(|_| unreadable())?;
-        // Thumbprints are made from what the crate encodes anew.
+        // The crate computes thumbprints from a new encoding of the certificate.
         if certificate.to_der().ok().as_deref() != Some(der) {
             return Err(wrong("is not encoded as the standard demands".to_owned()));
         }
@@ -179,7 +179,7 @@ impl ServerCertificate {
         })
     }
 
-    /// Why it cannot be used for a server on this host with this name of its application at this time, in a sentence.
+    /// Checks it for a server on this host, with this application name, at this time; the error is a sentence.
     pub fn check(
         &self,
         (host, application): (&str, &str),
@@ -199,7 +199,7 @@ impl ServerCertificate {
         })
     }
 
-    /// Whether this is what a server sent, possibly followed by the certificates of its issuers.
+    /// Whether a server sent this certificate, possibly followed by those of its issuers.
     pub fn is(&self, sent: &[u8]) -> bool {
         first(sent) == Some(&self.der)
     }

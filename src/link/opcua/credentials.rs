@@ -1,4 +1,4 @@
-//! What a client brings along: its certificate, the servers it trusts, and a password.
+//! Credentials of a client: its certificate, the servers it trusts, and a password.
 
 use std::fmt;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ impl Password {
         Self(text)
     }
 
-    /// Whether nothing was typed.
+    /// Whether the password is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -47,7 +47,7 @@ impl fmt::Debug for Password {
     }
 }
 
-/// Where the user keeps keys and trust. It is asked at each connection, so that what was trusted meanwhile counts.
+/// Keys and trusted servers of the user. It is consulted for each connection, so that servers trusted meanwhile count.
 pub trait KeyStore: fmt::Debug + Send + Sync {
     /// Our certificate, made at first use.
     ///
@@ -61,14 +61,14 @@ pub trait KeyStore: fmt::Debug + Send + Sync {
     /// If the list of trusted servers cannot be read.
     fn trusted(&self, server: &str) -> Result<Option<CertificateFingerprint>, LinkError>;
 
-    /// The password that is stored for a user, for whom none was given.
+    /// The stored password of a user, if there is one.
     ///
     /// # Errors
     /// If it cannot be known whether there is one.
     fn password(&self, account: &Account) -> Result<Option<Password>, LinkError>;
 }
 
-/// Keys of nobody: no server is trusted, so that only connections without security are possible.
+/// No keys: no server is trusted, so that only connections without security are possible.
 #[derive(Debug)]
 struct NoKeys;
 
@@ -88,12 +88,12 @@ impl KeyStore for NoKeys {
     }
 }
 
-/// What a client brings along; by default nothing.
+/// Credentials of a client; by default none.
 #[derive(Debug, Clone)]
 pub struct Credentials {
     /// Keys and trust.
     pub keys: Arc<dyn KeyStore>,
-    /// Password of the user in the address; without it that which is stored.
+    /// Password of the user in the address; without it the stored one is used.
     pub password: Option<Password>,
 }
 

@@ -1,4 +1,4 @@
-//! What a server offers, and the choice from it.
+//! Endpoints of a server, and the choice of one of them.
 
 use opcua_crypto::SecurityPolicy;
 use opcua_types::{EndpointDescription, MessageSecurityMode, UserTokenPolicy, UserTokenType};
@@ -8,13 +8,13 @@ use super::address::OpcUaAddress;
 use super::protection::policy_of;
 use crate::error::LinkError;
 
-/// End of the names of transports that we speak.
+/// End of the names of supported transports.
 const TRANSPORT: &str = "uatcp-uasc-uabinary";
 
 /// Protection of an endpoint; the policy is that of [`OpcUaSecurity::None`] where there is none.
 pub(super) type Protected = (OpcUaSecurity, Option<OpcUaPolicy>);
 
-/// The protection of an endpoint; `None` if it is one that we do not have.
+/// The protection of an endpoint; `None` if it is not supported.
 pub(super) fn protection_of(endpoint: &EndpointDescription) -> Option<Protected> {
     let policy = || known_policy(endpoint.security_policy_uri.as_ref());
     match endpoint.security_mode {
@@ -27,13 +27,13 @@ pub(super) fn protection_of(endpoint: &EndpointDescription) -> Option<Protected>
     }
 }
 
-/// The policy with a name of the standard, if it is one of ours.
+/// The policy with a name of the standard, if it is supported.
 fn known_policy(uri: &str) -> Option<OpcUaPolicy> {
     let mut known = OpcUaPolicy::ALL.into_iter();
     known.find(|policy| policy_of(*policy).to_uri() == uri)
 }
 
-/// How a user says who he is.
+/// Type of the token by which a user identifies himself.
 pub(super) fn kind_of_user(address: &OpcUaAddress) -> UserTokenType {
     match (&address.user, &address.user_certificate) {
         (_, Some(_)) => UserTokenType::Certificate,
@@ -42,8 +42,8 @@ pub(super) fn kind_of_user(address: &OpcUaAddress) -> UserTokenType {
     }
 }
 
-/// The policy under which an endpoint takes the proof of a user: that of the token, or of the endpoint if the token has none.
-/// `None` if that is none of ours.
+/// The policy for the proof of a user at an endpoint: that of the token, or of the endpoint if the token has none. `None`
+/// if it is not supported.
 pub(super) fn policy_of_token(
     endpoint: &EndpointDescription,
     token: &UserTokenPolicy,
@@ -56,7 +56,7 @@ pub(super) fn policy_of_token(
     known_policy(uri).map(policy_of)
 }
 
-/// The way in which an endpoint takes a user of a kind.
+/// The token policy of an endpoint for users of a kind.
 pub(super) fn token_of(
     endpoint: &EndpointDescription,
     wanted: UserTokenType,
@@ -67,7 +67,7 @@ pub(super) fn token_of(
     fitting.max_by_key(|token| known_policy(token.security_policy_uri.as_ref()))
 }
 
-/// That a server takes no users of a kind, with advice.
+/// The error that a server accepts no users of a kind, with advice.
 pub(super) fn no_users(wanted: UserTokenType) -> LinkError {
     LinkError::Refused(match wanted {
         UserTokenType::Certificate => "it takes no users with a certificate: allow them at the server, or give the name of a user instead, like ?user=NAME".to_owned(),

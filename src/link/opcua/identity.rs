@@ -11,7 +11,7 @@ const KEY_BITS: u32 = 2048;
 /// Time for which our certificate is valid (days). A plant that trusts it should not come to a stop after a year.
 const DAYS: u32 = 3653;
 
-/// Why a certificate and a private key are no pair.
+/// Reason why a certificate and a private key are not a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum KeyPairError {
     /// The certificate cannot be read.
@@ -38,7 +38,7 @@ impl KeyPair {
         let certificate = X509::from_der(&der).map_err(|_| KeyPairError::Certificate)?;
         let public = certificate.public_key().map_err(|_| KeyPairError::Kind)?;
         let key = PrivateKey::from_pem(key.as_bytes()).map_err(|_| KeyPairError::Key)?;
-        // The sizes of both keys are what the lengths of messages depend on; a signature shows the rest.
+        // The lengths of messages depend on the sizes of both keys; a signature verifies that they belong together.
         let mut signature = vec![0; key.size()];
         let is_pair = public.size() == key.size()
             && key.sign_sha256(&der, &mut signature).is_ok()

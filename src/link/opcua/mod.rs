@@ -49,7 +49,7 @@ pub struct OpcUaServer {
     pub address: OpcUaAddress,
     /// Timeouts.
     pub options: OpcUaOptions,
-    /// What the client brings along.
+    /// Credentials of the client.
     pub credentials: Credentials,
 }
 

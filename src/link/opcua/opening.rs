@@ -1,4 +1,4 @@
-//! Opening a session: what the server offers, its certificate, the channel, the user.
+//! Opening a session: endpoints and certificate of the server, channel, user.
 
 use std::time::SystemTime;
 
@@ -30,12 +30,12 @@ const NAME: &str = "Tautline";
 /// Name of the application where no certificate has one.
 const APPLICATION: &str = "urn:tautline";
 
-/// What to do about a server that ends an encrypted connection at its beginning, mostly without a reason.
+/// Advice for a server that ends an encrypted connection at once, usually without a reason.
 const OURS: &str = "if it does not trust our certificate yet, add the one that `tautline certificate -o FILE.der` writes to its trusted clients";
 
 /// Connects to a server and opens a session.
 pub(super) fn open(server: &OpcUaServer) -> Result<OpcUaClient, LinkError> {
-    // Files that cannot be used are told before anything is sent.
+    // Files that cannot be used are reported before anything is sent.
     let files = server.address.user_certificate.as_ref();
     let user = files.map(|files| UserIdentity::read(files, SystemTime::now()));
     let user = user.transpose()?;
@@ -47,7 +47,7 @@ pub(super) fn open(server: &OpcUaServer) -> Result<OpcUaClient, LinkError> {
     let offered = endpoints(server, &mut plain)?;
     let (endpoint, found) = choose(&offered, &server.address)?;
     let (security, Some(policy)) = found else {
-        // Whoever stands between could say that the server offers nothing.
+        // A man in the middle could pretend that the server has no endpoints.
         let known = server.credentials.keys.trusted(&server.address.origin())?;
         return match known {
             None => begin(plain),
@@ -101,7 +101,7 @@ fn connect(server: &OpcUaServer, protection: Option<Protection>) -> Result<Wire,
     Err(last.unwrap_or_else(none))
 }
 
-/// What the server offers to everybody.
+/// Endpoints that the server offers without a session.
 fn endpoints(server: &OpcUaServer, wire: &mut Wire) -> Result<Vec<EndpointDescription>, LinkError> {
     let request = GetEndpointsRequest {
         request_header: wire.header(&NodeId::null()),
@@ -248,7 +248,7 @@ fn to_error(error: RequestError) -> LinkError {
 }
 
 /// The endpoint of the session as the server describes it on the channel. On a protected channel the server must have signed
-/// our random number, and what it offers must be what everybody was told: nobody in between left the better away.
+/// our random number, and its endpoints must be those offered before, so that nobody in between removed better ones.
 fn used_endpoint(
     server: &OpcUaServer,
     client: &OpcUaClient,

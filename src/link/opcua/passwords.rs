@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::credentials::Password;
 
-/// A user with a password at a server.
+/// A user name at a server.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Account {
     /// Address of the server, without path and options.
@@ -24,10 +24,10 @@ pub enum PasswordStoreError {
     /// No answer in time; somebody may have to unlock it.
     #[error("the keyring of the desktop has not answered within {seconds} s: unlock it first")]
     NoAnswer {
-        /// The time that it had (s).
+        /// Time limit (s).
         seconds: u64,
     },
-    /// There is none, or it refuses.
+    /// No store is available, or it refuses.
     #[error("the keyring of the desktop cannot be used ({0})")]
     Unusable(String),
 }
@@ -46,14 +46,14 @@ pub trait PasswordStore: Debug + Send + Sync {
     /// If it cannot be kept.
     fn save(&self, account: &Account, password: &Password) -> Result<(), PasswordStoreError>;
 
-    /// Removes the password of a user; whether there was one.
+    /// Removes the password of a user; returns whether there was one.
     ///
     /// # Errors
     /// If it cannot be removed.
     fn forget(&self, account: &Account) -> Result<bool, PasswordStoreError>;
 }
 
-/// Whether this build has the feature `keyring`.
+/// Whether the program was built with the feature `keyring`.
 pub const HAS_KEYRING: bool = cfg!(feature = "keyring");
 
 /// The keyring of the desktop: Secret Service on Linux, Keychain on macOS, Credential Manager on Windows.
@@ -88,7 +88,7 @@ mod desktop {
     /// Time for an answer (s). A keyring that is locked asks its user, who needs time to type a password.
     const PATIENCE_S: u64 = 30;
 
-    /// What the keyring answers about an account; `None` if it has no entry of it.
+    /// Answer of the keyring about an account; `None` if it has no entry for it.
     fn ask<T: Send + 'static>(
         account: &Account,
         question: impl FnOnce(&Entry) -> keyring::Result<T> + Send + 'static,
@@ -112,7 +112,7 @@ mod desktop {
         question: impl FnOnce(&Entry) -> keyring::Result<T>,
     ) -> Result<Option<T>, PasswordStoreError> {
         let unusable = |error: &Error| PasswordStoreError::Unusable(in_words(error));
-        // Of a store that could not be opened, an entry tells only that there is none.
+        // If the store could not be opened, an entry reports only that there is no store.
         Entry::store_status().as_ref().map_err(unusable)?;
         let entry = Entry::new(&format!("Tautline {server}"), user);
         match entry.and_then(|entry| question(&entry)) {
@@ -122,7 +122,7 @@ mod desktop {
         }
     }
 
-    /// The cause in one line, without what an entry may have held.
+    /// The cause in one line, without the content of an entry.
     fn in_words(error: &Error) -> String {
         let text = match error {
             Error::PlatformFailure(cause) | Error::NoStorageAccess(cause) => cause.to_string(),

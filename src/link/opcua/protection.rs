@@ -1,7 +1,7 @@
 //! Protection of the messages of a channel: signatures, encryption and padding (OPC UA part 6, 6.7).
 //!
-//! The algorithms are those of `async-opcua-crypto`; what is here knows where their input begins and ends. Nothing of a
-//! message is believed before its signature fits, not even its padding. Lengths are checked first, because the
+//! The algorithms are those of `async-opcua-crypto`; this module determines where their input begins and ends. No part of a
+//! message is used before its signature is verified, not even its padding. Lengths are checked first, because the
 //! functions of the crate panic where they do not fit.
 
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub(super) const OVERHEAD: usize = BLOCK + opcua_crypto::SHA256_SIZE;
 /// Key size from which the length of the padding takes two bytes (bytes).
 const LONG_KEY: usize = 256;
 
-/// The policy under the name of the crate.
+/// The policy as a type of `async-opcua-crypto`.
 pub(super) fn policy_of(policy: OpcUaPolicy) -> SecurityPolicy {
     match policy {
         OpcUaPolicy::Aes128Sha256RsaOaep => SecurityPolicy::Aes128Sha256RsaOaep,
@@ -34,9 +34,9 @@ pub(super) fn policy_of(policy: OpcUaPolicy) -> SecurityPolicy {
 
 /// Symmetric keys of one token.
 struct Keys {
-    /// Of what we send.
+    /// Keys for messages to the server.
     ours: AesDerivedKeys,
-    /// Of what the server sends.
+    /// Keys for messages from the server.
     server: AesDerivedKeys,
 }
 
@@ -297,7 +297,7 @@ impl Protection {
         .map_err(|error| LinkError::Refused(format!("it sent no random number ({error})")))
     }
 
-    /// Whether the server signed our certificate and our random number.
+    /// Whether a signature is that of the server over our certificate and our random number.
     pub fn is_signed_by_server(&self, signature: &SignatureData, nonce: &ByteString) -> bool {
         let data = [self.identity.certificate(), nonce.as_ref()].concat();
         self.policy
@@ -411,7 +411,7 @@ mod tests {
         a.derive(&server_nonce()).expect("keys");
         let sealed = a.seal(*b"MSGF", &[7; 8], &[5; 100]).expect("sealed");
         assert!(b.open(&sealed, HEADER + 8).is_err());
-        // What the other end sent before it knew of the new token is still readable.
+        // Messages that the other end sent before it received the new token are still readable.
         let sealed = b.seal(*b"MSGF", &[7; 8], &[5; 100]).expect("sealed");
         assert!(a.open(&sealed, HEADER + 8).is_err());
         assert_eq!(

@@ -1,7 +1,7 @@
 //! Values that a server sends on its own, one row for each instant of its sampling.
 //!
-//! A server answers a publish request when it has changed values; several such requests are always with it. It leaves out what did
-//! not change, so the last value of every node is kept. A row begins where time stamps move on by more than half of a sampling
+//! A server answers a publish request when values have changed; several requests are always pending. It sends changed values
+//! only, so the last value of every node is kept. A row begins where time stamps advance by more than half of a sampling
 //! interval, and ends there, as the values of one instant may come in two messages.
 
 use opcua_types::{
@@ -17,8 +17,8 @@ use super::client::{NODES, OpcUaClient, RequestError};
 
 /// Publish requests that are with the server: as many as small controllers keep.
 const PUBLISHES: usize = 5;
-/// The server keeps a subscription for so many publishing intervals without a publish request, and sends a message without values
-/// after so many without a change.
+/// Publishing intervals without a publish request after which the server ends a subscription, and intervals without a change
+/// after which it sends an empty message.
 const LIFETIME: u32 = 6000;
 const KEEP_ALIVE: u32 = 500;
 /// Values of a node that the server keeps between two messages.
@@ -27,14 +27,14 @@ const QUEUE: u32 = 32;
 const TICKS_PER_S: f64 = 1e7;
 
 /// The last value of every node with its status, in the order of the nodes.
-pub(super) type Row = Vec<DataValue>;
+pub(super) type NodeValues = Vec<DataValue>;
 
 /// A subscription of a session.
 pub(super) struct Subscription {
     id: u32,
     /// Half of a sampling interval in ticks of time stamps.
     same_instant: i64,
-    latest: Row,
+    latest: NodeValues,
     /// Time stamp of the row that later messages may complete.
     begun: Option<i64>,
 }
@@ -53,7 +53,7 @@ impl Subscription {
     }
 
     /// Applies changed values in the order of their time stamps; returns the rows of the instants before the last one.
-    fn rows(&mut self, mut changes: Vec<Change>) -> Vec<Row> {
+    fn rows(&mut self, mut changes: Vec<Change>) -> Vec<NodeValues> {
         changes.sort_by_key(|(now, ..)| *now);
         let mut rows = Vec::new();
         for (now, node, value) in changes {
@@ -73,7 +73,7 @@ impl Subscription {
     }
 
     /// The last values, if every node has one.
-    fn row(&self) -> Option<Row> {
+    fn row(&self) -> Option<NodeValues> {
         let is_known = |value: &DataValue| value.value.is_some() || value.status.is_some();
         self.latest
             .iter()
@@ -116,7 +116,7 @@ impl OpcUaClient {
         }
     }
 
-    /// Has the nodes sampled; returns the longest interval (s).
+    /// Adds the nodes to the subscription; returns the longest sampling interval (s).
     fn monitor(&mut self, id: u32, nodes: &[NodeId], every_s: f64) -> Result<f64, RequestError> {
         let mut longest_s = every_s;
         for (part, chunk) in nodes.chunks(NODES).enumerate() {
@@ -169,7 +169,7 @@ impl OpcUaClient {
         }
     }
 
-    /// Ends a subscription, and forgets what the server sent for it.
+    /// Ends a subscription and discards the values sent for it.
     pub fn end_subscription(&mut self, subscription: &Subscription) -> Result<(), RequestError> {
         self.unsubscribe(subscription.id)?;
         self.told().map(|_| ())
@@ -182,7 +182,7 @@ impl OpcUaClient {
     ) -> Result<(), RequestError> {
         self.request = "to publish live values".to_owned();
         let request = PublishRequest {
-            // It is answered when there is something to tell, however late.
+            // Without a timeout: the server answers when values have changed.
             request_header: RequestHeader {
                 timeout_hint: 0,
                 ..self.wire.header(&self.token)
@@ -200,7 +200,10 @@ impl OpcUaClient {
     }
 
     /// The rows sent since the last call, the oldest first. Does not wait. A rejection ends the subscription, not the session.
-    pub fn sent(&mut self, subscription: &mut Subscription) -> Result<Vec<Row>, RequestError> {
+    pub fn sent(
+        &mut self,
+        subscription: &mut Subscription,
+    ) -> Result<Vec<NodeValues>, RequestError> {
         let mut changes = Vec::new();
         for answer in self.told()? {
             let answer = match answer {
@@ -252,7 +255,7 @@ mod tests {
         (10_000 * ms, node, value)
     }
 
-    fn numbers(rows: &[Row]) -> Vec<Vec<f64>> {
+    fn numbers(rows: &[NodeValues]) -> Vec<Vec<f64>> {
         let number = |value: &DataValue| match value.value {
             Some(Variant::Double(number)) => number,
             _ => f64::NAN,
@@ -272,7 +275,7 @@ mod tests {
         let rows = subscription.rows(vec![change(20, 0, 3.0), change(12, 1, -2.0)]);
         assert_eq!(numbers(&rows), [[2.0, -2.0]]);
         assert!(subscription.rows(Vec::new()).is_empty());
-        // A node that nobody asked for.
+        // A node that was not subscribed to.
         let rows = subscription.rows(vec![change(30, 7, 9.0)]);
         assert_eq!(numbers(&rows), [[3.0, -2.0]]);
         let rows = subscription.rows(vec![change(40, 1, 4.0), change(50, 1, 5.0)]);

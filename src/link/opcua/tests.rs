@@ -1,4 +1,4 @@
-//! A server that misbehaves, written from the protocol: what it says is no reason to wait, to allocate or to panic.
+//! A server that misbehaves, written from the protocol: its messages make the client neither wait, nor allocate, nor panic.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -24,7 +24,7 @@ fn message(kind: &[u8; 4], content: &[u8]) -> Vec<u8> {
     [&kind[..], &length.to_le_bytes(), content].concat()
 }
 
-/// The header of every response: a time, the handle, the status, and nothing more to tell.
+/// The header of every response: time, handle and status, without diagnostics.
 fn head(status: u32) -> Vec<u8> {
     let mut head = vec![0; 12];
     head.extend_from_slice(&status.to_le_bytes());
@@ -75,8 +75,8 @@ fn take(socket: &mut TcpStream) -> Option<()> {
     socket.read_exact(&mut vec![0; length as usize - 8]).ok()
 }
 
-/// What becomes of a read from a server that says these things in turn to the greeting, the opening and the request, the
-/// last one a byte at a time if it drips, and then holds its tongue.
+/// Result of a read from a server that answers the greeting, the opening and the request with these messages in turn, the
+/// last one byte by byte if `drips`, and then falls silent.
 fn asked(
     says: Vec<Vec<u8>>,
     drips: bool,
@@ -208,7 +208,7 @@ fn every_exchange_ends_in_time() {
     }
 }
 
-/// Every byte of an answer may be another one.
+/// Any byte of an answer may be damaged.
 #[test]
 fn damaged_answers_are_errors_or_values() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
@@ -219,13 +219,13 @@ fn damaged_answers_are_errors_or_values() {
             let at = rng.random_range(24..damaged.len());
             damaged[at] = rng.random();
         }
-        // Whatever becomes of it, it is over at once and nothing panics.
+        // Whatever the result, the read ends at once without a panic.
         let told = asked(vec![greeting(), opened(), damaged], false, 20_000);
         assert!(!matches!(told, Err(SocketError::Late)), "{told:?}");
     }
 }
 
-/// What a server with protection does wrong.
+/// Misbehaviour of a server with protection.
 #[derive(Clone, Copy, PartialEq)]
 enum Wrong {
     Nothing,
@@ -241,7 +241,7 @@ enum Wrong {
     OtherKeys,
 }
 
-/// A message as it came.
+/// A received message.
 fn taken(socket: &mut TcpStream) -> Vec<u8> {
     let mut message = vec![0; 8];
     socket.read_exact(&mut message).expect("a message");
@@ -251,7 +251,7 @@ fn taken(socket: &mut TcpStream) -> Vec<u8> {
     message
 }
 
-/// Where the encrypted part of a message for opening a channel begins.
+/// Offset of the encrypted part of a message that opens a channel.
 fn sealed_at(message: &[u8]) -> usize {
     let mut at = 12;
     for _ in 0..3 {

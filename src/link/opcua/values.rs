@@ -163,7 +163,7 @@ mod tests {
         let expected = Content::Numbers(vec![-1.0, 2.0, 5.0]);
         assert_eq!(shape.content(&written), Some(expected));
         assert_eq!(shape.with(&held, &[(3, 0.0)]), None);
-        // Another program has another array there.
+        // Another program has another array at this node.
         assert_eq!(shape.content(&array(&[1.0])), None);
         assert_eq!(shape.with(&array(&[1.0]), &[(0, 0.0)]), None);
     }

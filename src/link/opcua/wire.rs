@@ -1,5 +1,5 @@
-//! Messages of OPC UA over TCP: one request at a time, with its response before a deadline. Publish requests are left with the
-//! server, which answers them when it has something to tell.
+//! Messages of OPC UA over TCP: one request at a time, with its response before a deadline. Publish requests stay pending at
+//! the server, which answers them when values have changed.
 //!
 //! The messages are encoded by `async-opcua-types`; their transport is implemented here, so that every length is
 //! compared with its limit first and the deadline applies to whole exchanges. Messages are protected by [`Protection`]; without
@@ -90,12 +90,12 @@ pub(super) struct Wire {
     left: BTreeMap<u32, Vec<u8>>,
     /// Answers to them that are complete.
     told: VecDeque<Vec<u8>>,
-    /// Token before the present one, under which the server may have sent what is on its way.
+    /// Token before the present one, under which messages in transit may have been sent.
     former_token: Option<u32>,
 }
 
 impl Wire {
-    /// Connects and opens a channel, of the policy None without a protection, which is taken once there is a connection.
+    /// Connects and opens a channel; without `protection`, under the policy None.
     pub fn connect(
         place: SocketAddr,
         url: &str,
@@ -254,7 +254,7 @@ impl Wire {
         self.decode(&answer)
     }
 
-    /// Sends a request that the server answers when it has something to tell.
+    /// Sends a request that stays pending until the server has values to send.
     pub fn leave(
         &mut self,
         request: &(impl BinaryEncodable + MessageInfo),
@@ -415,8 +415,8 @@ impl Wire {
         }
     }
 
-    /// Number of the request that a chunk answers, and what follows its numbers, which must be those of the next chunk where
-    /// nobody can change them: a repeated one is refused.
+    /// Number of the request that a chunk answers, and the content after its numbers. Under protection the chunk number must be
+    /// the next one: a repeated chunk is refused.
     fn body_of<'c>(&mut self, content: &'c [u8]) -> Result<(u32, &'c [u8]), SocketError> {
         let (numbers, body) = content.split_at_checked(NUMBERS).ok_or_else(short_chunk)?;
         let number = word(&numbers[..4]);

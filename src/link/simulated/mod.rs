@@ -34,7 +34,7 @@ use crate::clock::Clock;
 use crate::controller::{Activity, Controller, ControllerState, Sample};
 use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, parameters_of, set_parameter, values_of};
-use motion::{Motion, Pace, Place};
+use motion::{Motion, Pace, PathPoint};
 use readings::{Noise, row_of, sample_of};
 
 /// Number of pieces of a path, between which readings are interpolated while the platform moves.
@@ -236,7 +236,7 @@ impl SimulatedRobot {
             .at_revolutions(at, &self.rested, (revolutions, pose))
     }
 
-    /// Starts the motion from the present place to a rest state.
+    /// Starts the motion from the present pose to a rest state.
     fn start(&mut self, (start_s, duration_s): (f64, f64), rest: &RestState, label: i64) {
         let from = self.shared.motion().at(start_s);
         let way = rest.pose.difference(&from.pose);
@@ -333,8 +333,8 @@ fn home_of(robot: &QuasiStaticRobot) -> Pose {
     home.map_or_else(Pose::identity, |home| home.pose())
 }
 
-fn place_of(robot: &QuasiStaticRobot, rest: &RestState) -> Place {
-    Place {
+fn place_of(robot: &QuasiStaticRobot, rest: &RestState) -> PathPoint {
+    PathPoint {
         pose: rest.pose,
         row: row_of(&robot.as_read(rest), robot.truth().cable_count()),
     }

@@ -2,7 +2,7 @@
 
 use tautline_core::geometry::Pose;
 
-use super::readings::Row;
+use super::readings::ReadingRow;
 
 /// After arrival the platform oscillates along its path: amplitude (m), frequency (Hz), decay time (s).
 const SWING_M: f64 = 3e-4;
@@ -18,13 +18,13 @@ const FOLLOWED_S: f64 = 60.0;
 
 /// A point of the path: true pose and exact readings.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Place {
+pub(super) struct PathPoint {
     pub pose: Pose,
-    pub row: Row,
+    pub row: ReadingRow,
 }
 
-impl Place {
-    /// Interpolates towards another place; extrapolates for fractions above 1.
+impl PathPoint {
+    /// Interpolates towards another point; extrapolates for fractions above 1.
     fn toward(&self, other: &Self, part: f64) -> Self {
         let mix = |(from, to): (&f64, &f64)| from + part * (to - from);
         Self {
@@ -41,10 +41,10 @@ impl Place {
 pub(super) struct Motion {
     pub start_s: f64,
     pub duration_s: f64,
-    /// Places at equal fractions of the path, at least one, connected linearly.
-    pub places: Vec<Place>,
-    /// The last place some time (s) after arrival, for drifting readings.
-    pub later: Option<(f64, Place)>,
+    /// Points at equal fractions of the path, at least one, connected linearly.
+    pub places: Vec<PathPoint>,
+    /// The last point some time (s) after arrival, for drifting readings.
+    pub later: Option<(f64, PathPoint)>,
     /// Amplitude of the oscillation, as a fraction of the path.
     swing: f64,
 }
@@ -75,7 +75,7 @@ impl Pace {
 
 impl Motion {
     /// A platform that has always been at rest.
-    pub fn resting(place: Place, now_s: f64) -> Self {
+    pub fn resting(place: PathPoint, now_s: f64) -> Self {
         Self {
             start_s: now_s,
             duration_s: 0.0,
@@ -85,8 +85,8 @@ impl Motion {
         }
     }
 
-    /// A motion along places; `docks` if the platform is held at the end and cannot oscillate.
-    pub fn along(places: Vec<Place>, (start_s, duration_s): (f64, f64), docks: bool) -> Self {
+    /// A motion along points; `docks` if the platform is held at the end and cannot oscillate.
+    pub fn along(places: Vec<PathPoint>, (start_s, duration_s): (f64, f64), docks: bool) -> Self {
         let ends = places.first().zip(places.last());
         let way = ends.map_or(0.0, |(a, b)| (b.pose.position - a.pose.position).norm());
         let swings = !docks && way > SWING_M;
@@ -104,8 +104,8 @@ impl Motion {
         now_s < self.start_s + self.duration_s
     }
 
-    /// Place of the platform and its readings.
-    pub fn at(&self, now_s: f64) -> Place {
+    /// Pose and exact readings at a time.
+    pub fn at(&self, now_s: f64) -> PathPoint {
         let since = now_s - self.start_s;
         let rested = since - self.duration_s;
         if rested < 0.0 {
@@ -125,7 +125,7 @@ impl Motion {
         place
     }
 
-    fn on_way(&self, part: f64) -> Place {
+    fn on_way(&self, part: f64) -> PathPoint {
         let pieces = self.places.len() - 1;
         if pieces == 0 {
             return self.places[0].clone();
@@ -146,8 +146,8 @@ fn profile(part: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn place(x: f64) -> Place {
-        Place {
+    fn place(x: f64) -> PathPoint {
+        PathPoint {
             pose: Pose::from_parts([x, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]),
             row: vec![2.0 * x, f64::NAN],
         }

@@ -11,14 +11,14 @@ use crate::controller::Sample;
 
 /// One value per channel: revolutions, forces, swivel angles of the cables, laser, three inclinations; NaN without
 /// the instrument.
-pub(super) type Row = Vec<f64>;
+pub(super) type ReadingRow = Vec<f64>;
 
 fn channels(cables: usize) -> usize {
     3 * cables + 4
 }
 
 /// The row of exact readings.
-pub(super) fn row_of(data: &Measurements, cables: usize) -> Row {
+pub(super) fn row_of(data: &Measurements, cables: usize) -> ReadingRow {
     let grids = [&data.revolutions, &data.force_n, &data.swivel_rad];
     let of_cables = grids
         .into_iter()
@@ -56,10 +56,10 @@ pub(super) fn sample_of(row: &[f64], cables: usize, laser_range_m: [f64; 2]) -> 
 /// the variances `q s^2` and `(1 - q) n s^2`: so the mean of `n` samples has `s`, that of many `sqrt(q) s`.
 pub(super) struct Noise {
     rng: ChaCha8Rng,
-    sd: Row,
+    sd: ReadingRow,
     repeating: f64,
     fleeting: f64,
-    offset: Row,
+    offset: ReadingRow,
 }
 
 impl Noise {
@@ -77,7 +77,7 @@ impl Noise {
         }
     }
 
-    fn draw(&mut self, size: f64) -> Row {
+    fn draw(&mut self, size: f64) -> ReadingRow {
         let Self { rng, sd, .. } = self;
         sd.iter()
             .map(|sd| size * sd * rng.sample::<f64, _>(StandardNormal))
@@ -99,7 +99,7 @@ impl Noise {
     }
 }
 
-fn standard_deviations(robot: &Robot) -> Row {
+fn standard_deviations(robot: &Robot) -> ReadingRow {
     let cables = robot.cables.len();
     let mut sd = vec![0.0; channels(cables)];
     for (index, cable) in robot.cables.iter().enumerate() {

@@ -37,7 +37,7 @@ pub struct SimulatedSetup {
     pub noise: bool,
     /// Number of samples whose mean has the standard deviation of the description.
     pub averaged_samples: usize,
-    /// Fraction of that variance that is common to all samples at one pose and is not removed by averaging.
+    /// Fraction of the noise variance that is common to all samples at one pose and is not removed by averaging.
     pub repeating_share: f64,
     /// Range of distances with a laser return (m).
     pub laser_range_m: [f64; 2],

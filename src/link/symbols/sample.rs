@@ -13,7 +13,7 @@ pub(super) struct Status {
     pub acknowledged: u32,
     /// Whether motion and writing are still permitted; true if there is no such symbol.
     pub released: bool,
-    /// Number that the program that is armed has written last; `None` if there is no such symbol.
+    /// Number written last by the armed program; `None` if there is no such symbol.
     pub watchdog: Option<u32>,
 }
 

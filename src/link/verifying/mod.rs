@@ -53,7 +53,7 @@ impl Default for VerifyingOptions {
     }
 }
 
-/// Whether rows are those of the first targets of a run, over all cycles.
+/// Whether rows belong to the first targets of a run, in their order over all cycles.
 #[must_use]
 pub fn are_first_rows(rows: &[CheckRow], targets: &[CheckTarget]) -> bool {
     let mut pairs = rows.iter().zip(targets.iter().cycle());
@@ -100,7 +100,7 @@ pub struct VerifyingRun {
     measured: Vec<CheckPose>,
     /// The instrument whose readings are typed, if there is one.
     asked: Option<TypedInstrument>,
-    /// Whether the pose at the present target was requested.
+    /// Whether the operator was asked for the pose at the present target.
     asks: bool,
     ended: bool,
 }
@@ -128,7 +128,7 @@ impl VerifyingRun {
         self
     }
 
-    /// Continues a run of which so many targets, over all cycles, are measured.
+    /// Continues a run of which `measured` targets, counted over all cycles, are measured.
     #[must_use]
     pub fn continuing(mut self, measured: usize) -> Self {
         self.done = measured;

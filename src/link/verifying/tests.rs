@@ -92,7 +92,7 @@ fn an_adjustment_makes_the_robot_accurate() {
 
 #[test]
 fn without_noise_and_error_of_the_home_pose_little_remains() {
-    // What remains is the tracker's noise and the pull of the priors where the data say little.
+    // The rest is noise of the tracker, and the priors where the data determine little.
     let [before, after] = before_and_after(|setup| {
         setup.noise = false;
         setup.truth.home = setup.nominal.home;
@@ -138,7 +138,7 @@ fn typed_poses_are_waited_for_as_long_as_it_takes() {
         clock.advance(0.1);
         match run.tick(&mut robot, &mut instrument) {
             Some(VerifyingEvent::Wanted { number }) => {
-                // Longer than any way may take.
+                // Longer than any motion takes.
                 for _ in 0..20 {
                     clock.advance(10.0);
                     assert_eq!(run.tick(&mut robot, &mut instrument), None);

@@ -8,7 +8,7 @@ use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
 use crate::atomic::write_atomically;
-use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::error::{Loaded, Location, ReadError, WriteError};
 use crate::hypothesis_file::add_hypotheses_beside;
 use crate::input_file::open_input;
 use crate::phases::{self, PhaseData};
@@ -34,7 +34,7 @@ pub struct DatasetFolder {
     pub lines: PoseLines,
     /// The optional tables; empty if the file is absent.
     pub phases: PhaseData,
-    /// When the poses were read, if `robot.json` says so.
+    /// Time at which the poses were read, if `robot.json` states it.
     pub measured_at: Option<Timestamp>,
     /// Notices for the operator, one sentence each.
     pub notices: Vec<String>,
@@ -119,9 +119,9 @@ fn require_folder(folder: &Path) -> Result<(), ReadError> {
         Ok(metadata) if metadata.is_dir() => return Ok(()),
         Ok(_) => "is a file, expected a dataset folder",
         Err(error) if error.kind() == ErrorKind::NotFound => "not found, expected a dataset folder",
-        Err(error) => return Err(ReadError::io(&file, Place::File, &error)),
+        Err(error) => return Err(ReadError::io(&file, Location::File, &error)),
     };
-    Err(ReadError::new(&file, Place::File, message))
+    Err(ReadError::new(&file, Location::File, message))
 }
 
 fn open(path: &Path, file: &str) -> Result<BufReader<File>, ReadError> {

@@ -118,7 +118,7 @@ fn a_pipe_is_refused_and_not_waited_for() {
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
     assert!(made.expect("mkfifo").success());
     let refused = read_table_file(&pipe, |reader, file| {
-        std::io::read_to_string(reader).map_err(|e| ReadError::io(file, Place::File, &e))
+        std::io::read_to_string(reader).map_err(|e| ReadError::io(file, Location::File, &e))
     });
     let refused = refused.expect_err("a pipe").to_string();
     assert!(

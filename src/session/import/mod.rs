@@ -9,7 +9,7 @@ use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::Robot;
 
 use crate::dataset::{DatasetFolder, POSES, ROBOT, read_calibration_tables, read_dataset};
-use crate::error::{Loaded, Place, ReadError, quoted};
+use crate::error::{Loaded, Location, ReadError, quoted};
 use crate::input_file::open_input;
 use crate::json::{VersionedFile, check_size, kind, parse_object, read_limited, versioned_from};
 use crate::phases::{
@@ -17,7 +17,7 @@ use crate::phases::{
     read_elongation, read_home,
 };
 use crate::plan_table::read_plan;
-use crate::poses::{Column, Group, LABEL, PoseLines, read_poses};
+use crate::poses::{Group, LABEL, PoseColumn, PoseLines, read_poses};
 use crate::session::{PlannedPose, Session, SessionFile, checked};
 use crate::table::Table;
 
@@ -84,7 +84,7 @@ const OTHERS: &str = "files of other programs are read by `tautline import`";
 /// content is invalid, with the place in the file.
 pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, ReadError> {
     let file = path.display().to_string();
-    let fail = |error| ReadError::io(&file, Place::File, &error);
+    let fail = |error| ReadError::io(&file, Location::File, &error);
     if fs::metadata(path).map_err(fail)?.is_dir() {
         return import_folder(path, &file);
     }
@@ -94,21 +94,21 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
     match text.trim_ascii_start().first() {
         None => {
             let message = format!("found an empty file, {EXPECTED}");
-            Err(ReadError::new(&file, Place::File, message))
+            Err(ReadError::new(&file, Location::File, message))
         }
         Some(b'{' | b'[') => import_json(&bytes, &file),
         Some(_) => import_table(&bytes, &file, into),
     }
 }
 
-/// Whether a file or folder is of a format of Tautline, valid or not, rather than of another program; [`import`] then reports
-/// what is wrong with it.
+/// Whether a file or folder is of a format of Tautline, valid or not, rather than of another program. If it is not valid,
+/// [`import`] reports the error.
 ///
 /// # Errors
 /// If it cannot be read.
 pub fn is_own(path: &Path) -> Result<bool, ReadError> {
     let file = path.display().to_string();
-    let fail = |error| ReadError::io(&file, Place::File, &error);
+    let fail = |error| ReadError::io(&file, Location::File, &error);
     if fs::metadata(path).map_err(fail)?.is_dir() {
         return Ok(path.join(ROBOT).exists());
     }
@@ -125,7 +125,7 @@ pub fn is_own(path: &Path) -> Result<bool, ReadError> {
 fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError> {
     if !folder.join(ROBOT).exists() {
         let message = format!("found a folder without {ROBOT}, {EXPECTED}");
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let dataset = if folder.join(POSES).exists() {
         read_dataset(folder)?
@@ -165,7 +165,7 @@ fn import_json(bytes: &[u8], file: &str) -> Result<Loaded<Import>, ReadError> {
         None => "not given".into(),
     };
     let message = format!("{found}, expected {session:?} or {robot:?}");
-    let place = Place::Pointer("/format".into());
+    let place = Location::Pointer("/format".into());
     Err(ReadError::new(file, place, message))
 }
 
@@ -176,7 +176,7 @@ fn import_table(
 ) -> Result<Loaded<Import>, ReadError> {
     if is_binary(bytes) {
         let message = format!("found a binary file, {EXPECTED}; {OTHERS}");
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let names = Table::open(bytes, file)?.names().to_vec();
     let Some(kind) = recognise(&names) else {
@@ -185,13 +185,13 @@ fn import_table(
             "found a table with the columns {}, {EXPECTED}; {OTHERS}",
             names.join(", ")
         );
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     };
     let robot = || {
         into.map(|session| &session.robot).ok_or_else(|| {
             let what = kind.describe();
             let message = format!("found {what}, expected an open session that it belongs to");
-            ReadError::new(file, Place::File, message)
+            ReadError::new(file, Location::File, message)
         })
     };
     Ok(match kind {
@@ -229,12 +229,13 @@ impl TableKind {
 
 /// The kind of table with such columns. One column may be missing; the reader of the table names it.
 fn recognise(names: &[String]) -> Option<TableKind> {
-    let columns: Vec<Column> = names
+    let columns: Vec<PoseColumn> = names
         .iter()
-        .filter_map(|name| Column::parse(name))
+        .filter_map(|name| PoseColumn::parse(name))
         .collect();
-    let is_commanded = |column: &Column| matches!(column, Column::Component(Group::Commanded, _));
-    let per_cable = columns.iter().any(|c| matches!(c, Column::Cable(..)));
+    let is_commanded =
+        |column: &PoseColumn| matches!(column, PoseColumn::Component(Group::Commanded, _));
+    let per_cable = columns.iter().any(|c| matches!(c, PoseColumn::Cable(..)));
     if per_cable || names.iter().any(|name| name.eq_ignore_ascii_case(LABEL)) {
         let is_plan = !columns.is_empty() && columns.iter().all(is_commanded);
         return Some(if is_plan {

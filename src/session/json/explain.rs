@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use serde_path_to_error::{Path, Segment, Track};
 
 use super::{VersionedFile, versioned_schema};
-use crate::error::{Loaded, Place, ReadError, quoted, shown_pointer};
+use crate::error::{Loaded, Location, ReadError, quoted, shown_pointer};
 
 /// Largest number of unknown keys that are listed; more are only counted.
 const MAX_NOTICES: usize = 20;
@@ -29,14 +29,14 @@ pub(super) fn deserialize<T: VersionedFile>(
     let result: Result<T, _> = {
         let tracked = serde_path_to_error::Deserializer::new(&document, &mut track);
         let noted = serde_ignored::Deserializer::new(tracked, &mut note);
-        // Otherwise each type would be compiled anew for each place of a file that it stands in.
+        // Otherwise each type would be compiled anew for each place in a file at which it occurs.
         erased_serde::deserialize(&mut <dyn erased_serde::Deserializer<'_>>::erase(noted))
     };
     match result {
         Ok(_) if T::KEYS_ARE_CHECKED && !unknown.is_empty() => {
             let pointer = unknown.swap_remove(0);
             let message = unknown_key::<T>(&pointer);
-            Err(ReadError::new(file, Place::Pointer(pointer), message))
+            Err(ReadError::new(file, Location::Pointer(pointer), message))
         }
         Ok(value) => Ok(Loaded {
             value,
@@ -45,7 +45,7 @@ pub(super) fn deserialize<T: VersionedFile>(
         Err(error) => {
             let pointer = pointer(&track.path());
             let message = message(&error.to_string(), document.pointer(&pointer));
-            Err(ReadError::new(file, Place::Pointer(pointer), message))
+            Err(ReadError::new(file, Location::Pointer(pointer), message))
         }
     }
 }

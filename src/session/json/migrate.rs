@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::{VersionedFile, explain};
-use crate::error::{Place, ReadError, quoted};
+use crate::error::{Location, ReadError, quoted};
 
 /// Migration from one version of a format to the next.
 #[derive(Clone, Copy)]
@@ -23,7 +23,7 @@ pub(crate) fn bring_up_to_date<T: VersionedFile>(
     take_format(document, T::FORMAT, file)?;
     let mut version = take_version::<T>(document, file)?;
     while version < T::VERSION {
-        let fail = |message| ReadError::new(file, Place::Pointer("/version".into()), message);
+        let fail = |message| ReadError::new(file, Location::Pointer("/version".into()), message);
         let Some(step) = migrations.iter().find(|step| step.from == version) else {
             return Err(fail(format!(
                 "found version {version} of {:?}, which this program cannot read, expected {}",
@@ -51,7 +51,7 @@ fn take_format(
     };
     Err(ReadError::new(
         file,
-        Place::Pointer("/format".into()),
+        Location::Pointer("/format".into()),
         message,
     ))
 }
@@ -81,7 +81,7 @@ fn take_version<T: VersionedFile>(
     };
     Err(ReadError::new(
         file,
-        Place::Pointer("/version".into()),
+        Location::Pointer("/version".into()),
         message,
     ))
 }

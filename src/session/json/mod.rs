@@ -16,7 +16,7 @@ use serde_json::{Map, Value};
 use tautline_core::robot::FieldError;
 
 use crate::atomic::write_atomically;
-use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::error::{Loaded, Location, ReadError, WriteError};
 use crate::input_file::open_input;
 pub(crate) use explain::kind;
 pub use migrate::Migration;
@@ -73,7 +73,7 @@ pub(crate) fn read_limited(path: &Path, file: &str, limit: u64) -> Result<Vec<u8
     open_input(path, file)?
         .take(limit + 1)
         .read_to_end(&mut bytes)
-        .map_err(|error| ReadError::io(file, Place::File, &error))?;
+        .map_err(|error| ReadError::io(file, Location::File, &error))?;
     Ok(bytes)
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn check_size(bytes: &[u8], file: &str, limit: u64) -> Result<(), Rea
         return Ok(());
     }
     let message = format!("found more than {} MB, too large", limit >> 20);
-    Err(ReadError::new(file, Place::File, message))
+    Err(ReadError::new(file, Location::File, message))
 }
 
 /// Reads a versioned file from memory; `file` is the name for messages.

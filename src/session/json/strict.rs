@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
-use crate::error::{Place, ReadError, quoted};
+use crate::error::{Location, ReadError, quoted};
 
 /// Parses a document, which must be an object.
 pub(crate) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, ReadError> {
@@ -13,7 +13,7 @@ pub(crate) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, Read
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(bytes, &error, file))?;
     if text.trim().is_empty() {
         let message = "found an empty file, expected a JSON object";
-        return Err(ReadError::new(file, Place::File, message));
+        return Err(ReadError::new(file, Location::File, message));
     }
     let value: Strict = serde_json::from_str(text).map_err(|error| syntax(&error, file))?;
     match value.0 {
@@ -23,7 +23,7 @@ pub(crate) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, Read
                 "found {}, expected a JSON object",
                 super::explain::kind(&other)
             );
-            Err(ReadError::new(file, Place::Character(1, 1), message))
+            Err(ReadError::new(file, Location::Character(1, 1), message))
         }
     }
 }
@@ -35,11 +35,11 @@ fn not_utf8(bytes: &[u8], error: &std::str::Utf8Error, file: &str) -> ReadError 
         "found the byte {:#04x}, expected UTF-8 text",
         bytes[error.valid_up_to()]
     );
-    ReadError::new(file, Place::Line(line), message)
+    ReadError::new(file, Location::Line(line), message)
 }
 
 fn syntax(error: &serde_json::Error, file: &str) -> ReadError {
-    let place = Place::Character(error.line() as u64, error.column() as u64);
+    let place = Location::Character(error.line() as u64, error.column() as u64);
     let text = error.to_string();
     let text = text.split(" at line ").next().unwrap_or_default();
     let message = if error.is_eof() {

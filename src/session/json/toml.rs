@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use tautline_core::effect::line_and_column;
 
 use super::{VersionedFile, check_size, read_limited, versioned_from};
-use crate::error::{Loaded, Place, ReadError};
+use crate::error::{Loaded, Location, ReadError};
 
 /// Reads a versioned file in TOML.
 ///
@@ -28,7 +28,7 @@ pub fn parse_versioned_toml<T: VersionedFile>(
     check_size(bytes, file, T::MAX_BYTES)?;
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let message = format!("found a byte that is not UTF-8 at {}", error.valid_up_to());
-        ReadError::new(file, Place::File, message)
+        ReadError::new(file, Location::File, message)
     })?;
     let document: Map<String, Value> =
         toml::from_str(text).map_err(|error| syntax(text, &error, file))?;
@@ -37,9 +37,9 @@ pub fn parse_versioned_toml<T: VersionedFile>(
 
 fn syntax(text: &str, error: &toml::de::Error, file: &str) -> ReadError {
     let message = format!("not valid TOML ({})", error.message().replace('\n', ", "));
-    let place = error.span().map_or(Place::File, |span| {
+    let place = error.span().map_or(Location::File, |span| {
         let (line, column) = line_and_column(text, span.start);
-        Place::Character(line, column)
+        Location::Character(line, column)
     });
     ReadError::new(file, place, message)
 }

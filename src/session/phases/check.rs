@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{once, read_rows};
 use crate::error::{Loaded, ReadError};
-use crate::table::{Row, Table, TableWriter};
+use crate::table::{Table, TableRow, TableWriter};
 
 /// Kind of target that a row of the check belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -101,7 +101,7 @@ pub fn read_check(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<CheckRo
     })
 }
 
-fn read_kind(row: &Row<'_>, column: usize) -> Result<CheckKind, ReadError> {
+fn read_kind(row: &TableRow<'_>, column: usize) -> Result<CheckKind, ReadError> {
     match row.text(column) {
         "pose" => Ok(CheckKind::Pose),
         "path" => Ok(CheckKind::Path),
@@ -110,7 +110,11 @@ fn read_kind(row: &Row<'_>, column: usize) -> Result<CheckKind, ReadError> {
 }
 
 /// Points of a path are numbered; a pose is one point.
-fn read_sample(row: &Row<'_>, column: Option<usize>, kind: CheckKind) -> Result<i64, ReadError> {
+fn read_sample(
+    row: &TableRow<'_>,
+    column: Option<usize>,
+    kind: CheckKind,
+) -> Result<i64, ReadError> {
     match column {
         Some(column) if kind == CheckKind::Path || !row.text(column).is_empty() => {
             row.integer(column)
@@ -139,7 +143,7 @@ impl PoseColumns {
     }
 
     /// The pose in a row.
-    pub fn read(&self, row: &Row<'_>) -> Result<CheckPose, ReadError> {
+    pub fn read(&self, row: &TableRow<'_>) -> Result<CheckPose, ReadError> {
         let mut position_m = [0.0; 3];
         for (value, column) in position_m.iter_mut().zip(self.position) {
             *value = row.required_if(

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, ReadError};
-use crate::table::{Row, Table};
+use crate::table::{Table, TableRow};
 pub(crate) use check::PoseColumns;
 pub use check::{CheckKind, CheckPose, CheckRow, read_check, write_check};
 pub use elongation::{ElongationPoint, read_elongation, write_elongation};
@@ -46,7 +46,7 @@ pub struct PhaseData {
 pub(crate) fn read_rows<T, R: BufRead>(
     mut table: Table<R>,
     known: &[&str],
-    mut read_row: impl FnMut(&Row<'_>) -> Result<T, ReadError>,
+    mut read_row: impl FnMut(&TableRow<'_>) -> Result<T, ReadError>,
 ) -> Result<Loaded<Vec<T>>, ReadError> {
     let notices = table.unknown_columns(known);
     let mut value = Vec::new();
@@ -57,7 +57,7 @@ pub(crate) fn read_rows<T, R: BufRead>(
 }
 
 /// Index of the cable in a cell, given by its name or by its number from 1.
-fn cable(row: &Row<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError> {
+fn cable(row: &TableRow<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError> {
     let text = row.text(column);
     let number = || text.parse::<usize>().ok()?.checked_sub(1);
     robot
@@ -74,7 +74,7 @@ fn cable(row: &Row<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError
 pub(crate) fn once<K: Hash + Eq>(
     seen: &mut HashSet<K>,
     key: K,
-    row: &Row<'_>,
+    row: &TableRow<'_>,
     column: usize,
     what: &str,
 ) -> Result<(), ReadError> {

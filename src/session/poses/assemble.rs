@@ -7,7 +7,7 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::{Grid, Measurements, Truth};
 use tautline_core::robot::Robot;
 
-use super::column::{Column, Group, PerCable};
+use super::column::{Group, PerCable, PoseColumn};
 use super::columns::{Columns, Fault};
 use super::plausible::check_plausible;
 use crate::table::quaternion_fault;
@@ -46,13 +46,13 @@ fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> 
             poses: truth.into_iter().flatten().collect(),
             tension_n: grid(columns, PerCable::TrueTension, cables),
         },
-        time_s: columns.take(Column::Time).unwrap_or_default(),
-        temperature_c: columns.take(Column::Temperature).unwrap_or_default(),
+        time_s: columns.take(PoseColumn::Time).unwrap_or_default(),
+        temperature_c: columns.take(PoseColumn::Temperature).unwrap_or_default(),
         commanded: poses(columns, Group::Commanded, robot)?,
         revolutions: grid(columns, PerCable::Revolutions, cables),
         length_m: grid(columns, PerCable::Length, cables),
         force_n: grid(columns, PerCable::Force, cables),
-        laser_m: columns.take(Column::Laser).unwrap_or_default(),
+        laser_m: columns.take(PoseColumn::Laser).unwrap_or_default(),
         swivel_rad: grid(columns, PerCable::Swivel, cables),
         inclination_rad: group(columns, Group::Inclination, 0),
         tracked_position_m: group(columns, Group::Tracked, 0),
@@ -86,7 +86,7 @@ fn check_labels(labels: &[i64]) -> Result<(), Fault> {
 /// Components `first..first + N` of a group by row; empty if none of them was measured.
 fn group<const N: usize>(columns: &mut Columns, group: Group, first: usize) -> Vec<[f64; N]> {
     let parts: [Option<Vec<f64>>; N] =
-        std::array::from_fn(|k| columns.take(Column::Component(group, first + k)));
+        std::array::from_fn(|k| columns.take(PoseColumn::Component(group, first + k)));
     if parts.iter().all(Option::is_none) {
         return Vec::new();
     }
@@ -98,7 +98,7 @@ fn group<const N: usize>(columns: &mut Columns, group: Group, first: usize) -> V
 
 fn grid(columns: &mut Columns, quantity: PerCable, cables: usize) -> Grid {
     let parts: Option<Vec<Vec<f64>>> = (1..=cables)
-        .map(|number| columns.take(Column::Cable(quantity, number)))
+        .map(|number| columns.take(PoseColumn::Cable(quantity, number)))
         .collect();
     let Some(parts) = parts else {
         return Grid::default();

@@ -2,7 +2,7 @@
 
 /// A numeric column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Column {
+pub(crate) enum PoseColumn {
     /// Time of measurement.
     Time,
     /// Temperature.
@@ -108,7 +108,7 @@ impl PerCable {
     }
 }
 
-impl Column {
+impl PoseColumn {
     const SINGLE: [(Self, &'static str); 3] = [
         (Self::Time, "time_s"),
         (Self::Temperature, "temperature_c"),

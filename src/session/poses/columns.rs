@@ -4,7 +4,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::Robot;
 
-use super::column::{Column, Group, PerCable};
+use super::column::{Group, PerCable, PoseColumn};
 
 /// Measurements by column; all columns have the length of `labels`.
 #[derive(Debug, Default)]
@@ -14,7 +14,7 @@ pub(crate) struct Columns {
     /// Group labels; empty if there is no such column.
     pub groups: Vec<String>,
     /// Numeric columns; NaN means not measured.
-    pub numbers: Vec<(Column, Vec<f64>)>,
+    pub numbers: Vec<(PoseColumn, Vec<f64>)>,
     /// Unknown columns.
     pub other: Vec<(String, Vec<String>)>,
 }
@@ -26,7 +26,7 @@ pub(crate) struct Fault {
     pub row: Option<usize>,
     /// Name of the column.
     pub column: String,
-    /// What was found and what was expected.
+    /// Message: what was found, and what was expected.
     pub message: String,
     /// The earlier row that it contradicts.
     pub earlier_row: Option<usize>,
@@ -53,7 +53,7 @@ impl Fault {
 
 impl Columns {
     /// The values of a column, if present.
-    pub fn get(&self, column: Column) -> Option<&[f64]> {
+    pub fn get(&self, column: PoseColumn) -> Option<&[f64]> {
         let mut columns = self.numbers.iter();
         columns
             .find(|(known, _)| *known == column)
@@ -61,7 +61,7 @@ impl Columns {
     }
 
     /// Removes a column and returns its values.
-    pub fn take(&mut self, column: Column) -> Option<Vec<f64>> {
+    pub fn take(&mut self, column: PoseColumn) -> Option<Vec<f64>> {
         let place = self
             .numbers
             .iter()
@@ -69,14 +69,15 @@ impl Columns {
         Some(self.numbers.swap_remove(place).1)
     }
 
-    /// Whether any column of a group is present.
+    /// Whether at least one column of a group is present.
     pub fn has(&self, group: Group) -> bool {
-        (0..group.names().len()).any(|k| self.get(Column::Component(group, k)).is_some())
+        (0..group.names().len()).any(|k| self.get(PoseColumn::Component(group, k)).is_some())
     }
 
     fn has_per_cable(&self, quantity: PerCable) -> bool {
         let mut columns = self.numbers.iter();
-        columns.any(|(column, _)| matches!(column, Column::Cable(known, _) if *known == quantity))
+        columns
+            .any(|(column, _)| matches!(column, PoseColumn::Cable(known, _) if *known == quantity))
     }
 
     /// Checks that the columns are those of this robot.
@@ -84,7 +85,7 @@ impl Columns {
         let fail = |column: String, message: String| Err(Fault::new(None, column, message));
         let cables = robot.cable_count();
         for (column, _) in &self.numbers {
-            if let Column::Cable(_, number) = column
+            if let PoseColumn::Cable(_, number) = column
                 && !(1..=cables).contains(number)
             {
                 let message = format!("found cable {number}, expected 1 to {cables}");
@@ -92,7 +93,8 @@ impl Columns {
             }
         }
         for quantity in PerCable::ALL {
-            let is_missing = |number: &usize| self.get(Column::Cable(quantity, *number)).is_none();
+            let is_missing =
+                |number: &usize| self.get(PoseColumn::Cable(quantity, *number)).is_none();
             if let Some(number) = (1..=cables).find(is_missing)
                 && self.has_per_cable(quantity)
             {
@@ -144,13 +146,13 @@ impl Columns {
     /// Turns lengths of cable paid out since home into the revolutions that pay them out.
     pub fn count_revolutions(&mut self, robot: &Robot) {
         for (column, values) in &mut self.numbers {
-            if let Column::Cable(PerCable::Change, number) = *column {
+            if let PoseColumn::Cable(PerCable::Change, number) = *column {
                 let winch = &robot.cables[number - 1].winch;
                 let per_revolution_m = winch.cable_per_revolution_m();
                 values
                     .iter_mut()
                     .for_each(|value| *value /= per_revolution_m);
-                *column = Column::Cable(PerCable::Revolutions, number);
+                *column = PoseColumn::Cable(PerCable::Revolutions, number);
             }
         }
     }
@@ -161,7 +163,7 @@ impl Columns {
         for group in [Group::Commanded, Group::TruePose, Group::Tracked] {
             let is_free = |k: usize| robot.platform.free.iter().any(|c| c.index() == k);
             let missing = |k: &usize| {
-                self.get(Column::Component(group, *k)).is_none() && (*k >= 3 || is_free(*k))
+                self.get(PoseColumn::Component(group, *k)).is_none() && (*k >= 3 || is_free(*k))
             };
             let position_is_partial = group != Group::Tracked && (0..3).any(|k| missing(&k));
             let no_quaternion = (3..7).all(|k| missing(&k));
@@ -191,14 +193,14 @@ impl Columns {
             numbers: Vec::new(),
             other: m.other.clone(),
         };
-        columns.add(Column::Time, &m.time_s);
-        columns.add(Column::Temperature, &m.temperature_c);
+        columns.add(PoseColumn::Time, &m.time_s);
+        columns.add(PoseColumn::Temperature, &m.temperature_c);
         let commanded: Vec<[f64; 7]> = m.commanded.iter().map(pose_row).collect();
         columns.add_group(Group::Commanded, 0, &commanded);
         columns.add_grid(PerCable::Revolutions, &m.revolutions);
         columns.add_grid(PerCable::Length, &m.length_m);
         columns.add_grid(PerCable::Force, &m.force_n);
-        columns.add(Column::Laser, &m.laser_m);
+        columns.add(PoseColumn::Laser, &m.laser_m);
         columns.add_grid(PerCable::Swivel, &m.swivel_rad);
         columns.add_group(Group::Inclination, 0, &m.inclination_rad);
         columns.add_group(Group::Tracked, 0, &m.tracked_position_m);
@@ -210,7 +212,7 @@ impl Columns {
         columns
     }
 
-    fn add(&mut self, column: Column, values: &[f64]) {
+    fn add(&mut self, column: PoseColumn, values: &[f64]) {
         if !values.is_empty() {
             self.numbers.push((column, values.to_vec()));
         }
@@ -219,14 +221,14 @@ impl Columns {
     fn add_group<const N: usize>(&mut self, group: Group, first: usize, rows: &[[f64; N]]) {
         for k in 0..N {
             let values: Vec<f64> = rows.iter().map(|row| row[k]).collect();
-            self.add(Column::Component(group, first + k), &values);
+            self.add(PoseColumn::Component(group, first + k), &values);
         }
     }
 
     fn add_grid(&mut self, quantity: PerCable, grid: &Grid) {
         for cable in 0..grid.columns() {
             let values: Vec<f64> = (0..grid.rows()).map(|row| grid.get(row, cable)).collect();
-            self.add(Column::Cable(quantity, cable + 1), &values);
+            self.add(PoseColumn::Cable(quantity, cable + 1), &values);
         }
     }
 }

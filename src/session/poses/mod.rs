@@ -10,9 +10,9 @@ use std::io::{BufRead, Write};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
-use crate::error::{Loaded, Place, ReadError};
-use crate::table::{Row, Table, TableWriter};
-pub(crate) use column::{Column, Group};
+use crate::error::{Loaded, Location, ReadError};
+use crate::table::{Table, TableRow, TableWriter};
+pub(crate) use column::{Group, PoseColumn};
 pub(crate) use columns::{Columns, Fault};
 pub(crate) use plausible::check_plausible;
 use plausible::{check_home, unused_readings};
@@ -116,7 +116,7 @@ struct Places {
 
 impl Columns {
     /// Adds a row of a table.
-    fn add_row(&mut self, row: &Row<'_>, places: &Places) -> Result<(), ReadError> {
+    fn add_row(&mut self, row: &TableRow<'_>, places: &Places) -> Result<(), ReadError> {
         self.labels.push(row.integer(places.label)?);
         if let Some(cell) = places.group {
             self.groups.push(row.text(cell).to_string());
@@ -144,7 +144,7 @@ fn read_header<R: BufRead>(
         other: Vec::new(),
     };
     for (cell, name) in table.names().iter().enumerate() {
-        if let Some(column) = Column::parse(name) {
+        if let Some(column) = PoseColumn::parse(name) {
             places.numbers.push(cell);
             columns.numbers.push((column, Vec::new()));
         } else if cell != places.label && Some(cell) != places.group {
@@ -166,9 +166,9 @@ pub(crate) const GROUP: &str = "group";
 /// Converts a fault in a table whose rows start at the given lines.
 pub(crate) fn place_fault(fault: Fault, file: &str, lines: &[u64]) -> ReadError {
     let line = |row: usize| lines.get(row).copied().unwrap_or_default();
-    let place = fault
-        .row
-        .map_or(Place::File, |row| Place::Cell(line(row), fault.column));
+    let place = fault.row.map_or(Location::File, |row| {
+        Location::Cell(line(row), fault.column)
+    });
     let message = match fault.earlier_row {
         Some(row) => format!("{} (line {})", fault.message, line(row)),
         None => fault.message,

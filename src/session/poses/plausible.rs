@@ -188,12 +188,12 @@ fn check_deviations(deviations: &[[f64; 3]]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Notices about readings that the robot has no instrument for.
+/// Notices about readings for which the robot has no instrument.
 pub(super) fn unused_readings(m: &Measurements, robot: &Robot) -> Vec<String> {
     let every = |has: fn(&Cable) -> bool| robot.cables.iter().all(has);
     let swivels = |c: &Cable| c.pulley.swivel_zero.is_some() && c.pulley.swivel_sd_rad.is_some();
     let tracked = !m.tracked_position_m.is_empty() || !m.tracked_orientation_wxyz.is_empty();
-    // Whether it was measured, whether the robot has it, its name, and what the robot lacks.
+    // Whether it was measured, whether the robot has the instrument, the name of the reading and of the missing part.
     let readings = [
         (
             !m.laser_m.is_empty(),

@@ -16,7 +16,7 @@ use crate::session::{MeasuredPose, MeasurementTable};
 
 /// One pose of the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Entry {
+pub(super) struct JournalEntry {
     /// The readings, one row.
     pub table: MeasurementTable,
     /// Label of the pose that this one replaces.
@@ -45,14 +45,14 @@ pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Journal {
     /// Poses in the order of measurement.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<JournalEntry>,
     /// Numbers of damaged lines, from 1, except the last line.
     pub damaged: Vec<usize>,
-    /// Whether the last line was written incompletely.
+    /// Whether the last line is incomplete.
     pub is_torn: bool,
 }
 
-impl Entry {
+impl JournalEntry {
     pub fn of(pose: &MeasuredPose) -> Self {
         Self {
             table: MeasurementTable::of(&pose.readings),
@@ -81,7 +81,7 @@ impl Journal {
         while let Some((k, line)) = next {
             next = lines.next();
             let complete = line.strip_suffix(b"\n");
-            match complete.and_then(Entry::parse) {
+            match complete.and_then(JournalEntry::parse) {
                 Some(entry) => journal.entries.push(entry),
                 None if complete == Some(b"") => {}
                 None if next.is_none() => journal.is_torn = true,
@@ -93,9 +93,9 @@ impl Journal {
 }
 
 /// Replaces a journal atomically.
-pub(super) fn write(path: &Path, entries: &[Entry]) -> Result<(), WriteError> {
+pub(super) fn write(path: &Path, entries: &[JournalEntry]) -> Result<(), WriteError> {
     write_atomically(path, |out| {
-        let mut lines = entries.iter().map(Entry::line);
+        let mut lines = entries.iter().map(JournalEntry::line);
         lines.try_for_each(|line| out.write_all(line?.as_bytes()))
     })
 }

@@ -40,7 +40,7 @@ impl Name {
     }
 }
 
-/// Whether `path` is a folder and not a link to one.
+/// Whether `path` is a folder rather than a link.
 pub(super) fn is_folder(path: &Path) -> bool {
     is_there(path, FileType::is_dir)
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::journal::{append, checked, checked_line};
-use crate::error::{Place, ReadError, WriteError};
+use crate::error::{Location, ReadError, WriteError};
 use crate::session::{ResultRecord, Session};
 
 /// A result with its number.
@@ -39,7 +39,7 @@ pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
         Err(error) if error.kind() == ErrorKind::NotFound => return None,
         Ok(bytes) => bytes,
         Err(error) => {
-            let error = ReadError::io(&path.display().to_string(), Place::File, &error);
+            let error = ReadError::io(&path.display().to_string(), Location::File, &error);
             return Some(format!("{error}; the latest results may be missing"));
         }
     };
@@ -59,7 +59,7 @@ pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
                     known + 1
                 ));
             }
-            // The snapshot already contains it, or the line was torn and the result was written again after it.
+            // The snapshot already contains the result, or the line is incomplete and the result was written again after it.
             _ => {}
         }
     }

@@ -76,7 +76,7 @@ impl Bench {
         self.own().join(name)
     }
 
-    /// What comes back of the only session, and the notices.
+    /// The recovered session, and the notices.
     fn recovered(&self) -> (Session, Vec<String>) {
         let left = self.left();
         assert_eq!(left.len(), 1);
@@ -317,7 +317,7 @@ fn a_result_is_written_once_however_often_the_session_is_edited() {
     assert_eq!(kept.split(|byte| *byte == b'\n').count(), 3 + 1);
     drop(writer);
     bench.assert_recovers(&now);
-    // A kill between the snapshot and the end of what it makes needless.
+    // A kill between the snapshot and the removal of the files that it replaces.
     write_session(&bench.file(SNAPSHOT), &now).expect("a snapshot");
     bench.assert_recovers(&now);
 }
@@ -425,7 +425,11 @@ fn a_long_run_writes_what_is_measured_and_not_its_square() {
         "the snapshot is as it was"
     );
     drop(writer);
-    let entry = |label| journal::Entry::of(&pose(label)).line().expect("a line");
+    let entry = |label| {
+        journal::JournalEntry::of(&pose(label))
+            .line()
+            .expect("a line")
+    };
     let poses: u64 = (5..1005).map(|label| entry(label).len() as u64).sum();
     assert_eq!(journal, poses, "each pose once");
     let written = begun + journal + edits;
@@ -555,7 +559,7 @@ fn only_files_of_ours_are_removed_and_no_link_is_followed() {
     let rest = own.with_extension(FINISHED);
     assert!(rest.join("notes.txt").exists() && rest.join("results.jsonl").is_symlink());
     assert!(!rest.join(SNAPSHOT).exists() && !rest.join(JOURNAL).exists());
-    // Folders that are links, whatever they are called, and what is not named by us.
+    // Folders that are links, whatever their names, and files with other names than ours.
     for name in ["session-aaaaaa", "session-bbbbbb.finished"] {
         symlink(outside.path(), root.join(name)).expect("a link");
     }
@@ -604,7 +608,7 @@ fn a_damaged_snapshot_does_not_keep_the_journal_from_coming_back() {
     let left = bench.left();
     let Loaded { value, notices } = left[0].recover().expect("a session");
     assert!(!value.is_whole);
-    // As text, because what was not measured is no number and equals nothing.
+    // As text, because missing readings are NaN, which equals nothing.
     let expected = with_poses([5, 6]).measurements;
     assert_eq!(
         format!("{:?}", value.session.measurements),

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use super::changes::ChangesFile;
-use super::journal::{Entry, Journal};
+use super::journal::{Journal, JournalEntry};
 use super::own_files::{Name, check_lock, is_folder, named, remove_session};
 use super::writer::Lock;
 use super::{CHANGES, DISCARDED, JOURNAL, LOCK, ORIGIN, Origin, RESULTS, SNAPSHOT, results};
 use crate::atomic::sync_folder;
-use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::error::{Loaded, Location, ReadError, WriteError};
 use crate::fingerprint::Fingerprint;
 use crate::json::read_versioned;
 use crate::session::{MeasurementTable, Session, Timestamp, read_session};
@@ -42,7 +42,7 @@ pub struct RecoveredSession {
     pub session: Session,
     /// The file it was opened from or saved to, if any, whose content is older.
     pub origin: Option<PathBuf>,
-    /// Whether everything was recovered. Otherwise the snapshot was damaged: the session is that of its file plus the poses
+    /// Whether everything was recovered. Otherwise the snapshot was damaged: the session consists of its file and the poses
     /// measured since, without later edits.
     pub is_whole: bool,
 }
@@ -54,7 +54,7 @@ pub struct RecoveredSession {
 pub fn find_unsaved_sessions(folder: &Path) -> Result<Vec<UnsavedSession>, ReadError> {
     let file = folder.display().to_string();
     let mut found = Vec::new();
-    for own in candidates(folder).map_err(|error| ReadError::io(&file, Place::File, &error))? {
+    for own in candidates(folder).map_err(|error| ReadError::io(&file, Location::File, &error))? {
         let Some(lock) = locked(own.with_extension(LOCK))? else {
             continue;
         };
@@ -85,7 +85,7 @@ fn locked(path: PathBuf) -> Result<Option<Lock>, ReadError> {
         options.read(true).write(true).create(true).truncate(false);
         check_lock(&path).and_then(|()| options.open(&path))
     };
-    let fail = |error| ReadError::io(&path.display().to_string(), Place::File, &error);
+    let fail = |error| ReadError::io(&path.display().to_string(), Location::File, &error);
     let file = open().map_err(fail)?;
     match file.try_lock() {
         Ok(()) => Ok(Some(Lock { file, path })),
@@ -94,7 +94,8 @@ fn locked(path: PathBuf) -> Result<Option<Lock>, ReadError> {
     }
 }
 
-/// Whether the program ended before it wrote the snapshot, or removed its files between listing and locking.
+/// Whether snapshot and journal are missing or empty: the program ended before it wrote them, or removed its files between
+/// listing and locking.
 fn holds_nothing(own: &Path) -> bool {
     let size = |name: &str| match fs::metadata(own.join(name)) {
         Err(error) if error.kind() == ErrorKind::NotFound => Some(0),
@@ -188,7 +189,7 @@ impl UnsavedSession {
         match fs::read(&path) {
             Ok(bytes) => Journal::parse(&bytes),
             Err(error) => {
-                let error = ReadError::io(&path.display().to_string(), Place::File, &error);
+                let error = ReadError::io(&path.display().to_string(), Location::File, &error);
                 notices.push(format!("{error}; the latest measured poses may be missing"));
                 Journal::default()
             }
@@ -320,8 +321,8 @@ fn replay(session: &mut Session, journal: Journal, file: &str) -> Vec<String> {
     notices
 }
 
-/// Whether the session has the pose with the same readings; `None` if it does not have the pose.
-fn known_row(session: &Session, entry: &Entry) -> Option<bool> {
+/// Whether the session's pose with this label has the same readings; `None` if there is no such pose.
+fn known_row(session: &Session, entry: &JournalEntry) -> Option<bool> {
     let label = entry.table.labels().first()?;
     let m = &session.measurements;
     let row = m.labels.iter().position(|known| known == label)?;

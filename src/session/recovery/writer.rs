@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tautline_core::robot::FieldError;
 
 use super::changes::SessionChanges;
-use super::journal::{self, Entry, Journal};
+use super::journal::{self, Journal, JournalEntry};
 use super::own_files::remove_session;
 use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, RESULTS, SNAPSHOT, results, write_origin};
 use crate::atomic::sync_folder;
@@ -129,7 +129,7 @@ impl RecoveryWriter {
             path: path.clone(),
             message: FieldError::from(fault).to_string(),
         })?;
-        let line = Entry::of(pose).line();
+        let line = JournalEntry::of(pose).line();
         let line = line.map_err(|error| WriteError::io(&path, error))?;
         journal::append(&path, &line)
     }

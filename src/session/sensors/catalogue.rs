@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use tautline_core::robot::FieldError;
 
 use super::Sensor;
-use crate::error::{Place, ReadError, fail, quoted};
+use crate::error::{Location, ReadError, fail, quoted};
 use crate::folders::Folders;
 use crate::json::{parse_versioned_toml, read_versioned_toml};
 
@@ -102,7 +102,7 @@ impl Catalogue {
     /// The sensor with an identifier.
     ///
     /// # Errors
-    /// What was found and which identifiers exist, in words.
+    /// A sentence with the identifier that was found, and those that exist.
     pub fn find(&self, id: &str) -> Result<&Sensor, String> {
         let found = self.entries.iter().find(|entry| entry.id == id);
         found.map(|entry| &entry.sensor).ok_or_else(|| {
@@ -119,7 +119,8 @@ impl Catalogue {
 /// The sensors in a folder, sorted by name.
 fn own(folder: &Path) -> Result<Vec<CatalogueEntry>, ReadError> {
     let place = folder.display().to_string();
-    let files = fs::read_dir(folder).map_err(|error| ReadError::io(&place, Place::File, &error))?;
+    let files =
+        fs::read_dir(folder).map_err(|error| ReadError::io(&place, Location::File, &error))?;
     let mut paths: Vec<_> = files.flatten().map(|file| file.path()).collect();
     paths.retain(|path| path.extension().is_some_and(|end| end == "toml"));
     paths.sort();

@@ -34,7 +34,7 @@ impl Session {
     }
 }
 
-/// Whether the controller held the new values of an adjustment after it; `None` if that is not known.
+/// Whether the controller held the new values after an adjustment; `None` if that is unknown.
 fn holds_new(adjustment: &Adjustment) -> Option<bool> {
     match adjustment.outcome {
         Outcome::Written => Some(true),

@@ -43,13 +43,13 @@ impl Session {
         self.modified = self.modified.max(now);
     }
 
-    /// The values at the start of the run with a controller that is to be compared, which is over then.
+    /// Takes the values at the start of the run with a controller, to be compared with those at its end.
     pub fn take_run(&mut self, controller: &str) -> Option<RunValues> {
         let run = &mut self.run_values;
         run.take_if(|run| run.controller == controller)
     }
 
-    /// Whether a run with a controller is still to be compared.
+    /// Whether the values at the start of a run with this controller still have to be compared with those at its end.
     #[must_use]
     pub fn is_run_open(&self, controller: &str) -> bool {
         let run = self.run_values.as_ref();

@@ -9,7 +9,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
 use crate::error::{fail, quoted};
-use crate::poses::{Column, Columns, Fault, GROUP, LABEL};
+use crate::poses::{Columns, Fault, GROUP, LABEL, PoseColumn};
 
 /// Measurements by column; all columns have the length of the labels.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -76,7 +76,7 @@ impl MeasurementTable {
         }
         for (name, values) in &self.columns {
             let pointer = pointer(name, None);
-            if Column::parse(name).is_none() {
+            if PoseColumn::parse(name).is_none() {
                 let message = format!("found {}, expected a column of poses.csv", quoted(name));
                 return fail(pointer, message);
             }
@@ -133,7 +133,7 @@ impl MeasurementTable {
     pub fn into_columns(self) -> Columns {
         let numbers = self.columns.into_iter().filter_map(|(name, values)| {
             let values = values.into_iter().map(|v| v.unwrap_or(f64::NAN));
-            Some((Column::parse(&name)?, values.collect()))
+            Some((PoseColumn::parse(&name)?, values.collect()))
         });
         let mut columns = Columns {
             labels: self.pose,
@@ -151,7 +151,7 @@ impl MeasurementTable {
 }
 
 impl From<Fault> for FieldError {
-    /// The place of the fault in a [`MeasurementTable`].
+    /// The fault with a pointer into a [`MeasurementTable`].
     fn from(fault: Fault) -> Self {
         let message = match fault.earlier_row {
             Some(row) => format!("{} (value {row})", fault.message),

@@ -225,7 +225,7 @@ impl Session {
         }
     }
 
-    /// Whether its readings are not of a real machine, as far as the session knows.
+    /// Whether readings are known to be simulated rather than those of a real machine.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         self.has_simulated_readings

@@ -55,7 +55,7 @@ impl Default for UntilSettings {
     fn default() -> Self {
         Self {
             enabled: false,
-            // What is wrong, be it nothing, is what everything after it depends on.
+            // All later steps depend on whether there is a fault, and on its cause.
             goals: vec![Goal::Cause(0.95)],
             at_most: AT_MOST,
             only_planned: false,

@@ -1,9 +1,9 @@
-//! The audit trail: a chain of hashes over everything that moved the robot or wrote to its controller, over what its results
-//! rest on, and over the log.
+//! The audit trail: a chain of hashes over everything that moved the robot or wrote to its controller, over the inputs of its
+//! results, and over the log.
 //!
-//! Whatever the session records of it gets a SHA-256 at that moment. Saving joins what is new to an entry, with the operator, the
-//! program and the hash of the entry before, so that nothing in between can be changed, removed or inserted without notice. Who
-//! can write the file can also compute the whole chain anew: against that, reports print the last hash.
+//! Each part gets a SHA-256 when the session records it. Saving joins the new records to an entry, with the operator, the
+//! program and the hash of the entry before, so that nothing in between can be changed, removed or inserted without notice.
+//! Anyone who can write the file can also compute the whole chain anew; to detect this, reports print the last hash.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -32,16 +32,16 @@ pub struct AuditTrail {
     /// Parts of [`STATE`] that a file has other than recorded.
     #[serde(skip)]
     differing: Vec<TrailPart>,
-    /// What the next entry is to contain.
+    /// Records for the next entry.
     #[serde(skip)]
     pending: Vec<TrailRecord>,
 }
 
-/// The parts that the program changes; saving records how they are.
+/// The parts that the program itself changes; saving records their state.
 const STATE: [TrailPart; 3] = [TrailPart::Robot, TrailPart::Tables, TrailPart::Imported];
 
 impl PartialEq for AuditTrail {
-    /// What waits for the next entry is not part of a file.
+    /// Records for the next entry are not part of a file.
     fn eq(&self, other: &Self) -> bool {
         self.entries == other.entries
     }
@@ -108,7 +108,7 @@ pub enum TrailPart {
     Imported,
 }
 
-/// Who saves a session.
+/// Author of an entry: the operator and the program that saves the session.
 #[derive(Debug, Clone, Copy)]
 pub struct TrailAuthor<'a> {
     /// Operator.
@@ -117,7 +117,7 @@ pub struct TrailAuthor<'a> {
     pub program: &'a str,
 }
 
-/// What is wrong in an audit trail. Entries are numbered from 0.
+/// Fault of an audit trail. Entries are numbered from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TrailFault {
     /// The hash of an entry is not that of its content and of the entry before.
@@ -137,7 +137,7 @@ impl AuditTrail {
         &self.entries
     }
 
-    /// Whether there is no entry.
+    /// Whether the trail has no entries.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
@@ -149,7 +149,7 @@ impl AuditTrail {
         self.entries.last().map(|entry| entry.hash.as_str())
     }
 
-    /// Whether it covers what the results rest on, and not only what moved and what was written, as those of earlier versions.
+    /// Whether the trail covers the inputs of the results, too. Trails of earlier versions cover only motions and written values.
     #[must_use]
     pub fn has_state(&self) -> bool {
         let mut records = self.entries.iter().flat_map(|entry| &entry.records);
@@ -208,7 +208,7 @@ impl Session {
     /// Records the present state of a part for the next entry.
     pub(super) fn cover(&mut self, part: TrailPart) {
         let labels = &self.measurements.labels;
-        // What is covered was added last.
+        // The row was added last.
         let row_of = |label| labels.iter().rposition(|known| *known == label);
         let Some(sha256) = self.hash_of(part, &row_of) else {
             return;
@@ -220,10 +220,10 @@ impl Session {
         }
     }
 
-    /// Records for the next entry what a program that was killed left: what is in no entry, except poses, which may have been
-    /// imported, and what was concluded or accepted since its entry.
+    /// Records for the next entry the parts that a killed program left unrecorded: those that are in no entry, except poses,
+    /// which may have been imported, and those that were concluded or accepted since their entry.
     pub(crate) fn cover_rest(&mut self) {
-        // Whatever differs, the program did it before it was killed.
+        // All differences were made by the program before it was killed.
         self.trail.differing.clear();
         let last = self.trail.last_records();
         let mut parts = self.parts();
@@ -273,7 +273,7 @@ impl Session {
             .collect()
     }
 
-    /// Notes what a file has other than recorded, as another program changed it.
+    /// Notes the parts of a file that differ from their records because another program changed them.
     pub(super) fn note_differing(&mut self) {
         if self.trail.has_state() {
             let found = self.unrecorded_state().into_iter();
@@ -281,7 +281,7 @@ impl Session {
         }
     }
 
-    /// Joins what is new to an entry of the trail. The trail of a session of an earlier version begins with what it has.
+    /// Joins the new records to an entry. The trail of a session of an earlier version begins with its present parts.
     pub fn seal(&mut self, by: &TrailAuthor<'_>, now: Timestamp) {
         let differing = std::mem::take(&mut self.trail.differing);
         self.trail.broken.extend(differing);
@@ -302,7 +302,7 @@ impl Session {
         self.trail.add(new, false, (by, now));
     }
 
-    /// Whether every record is in a sealed entry.
+    /// Whether every change is in an entry, apart from differences that are known faults.
     #[must_use]
     pub fn is_sealed(&self) -> bool {
         let trail = &self.trail;
@@ -312,7 +312,7 @@ impl Session {
         trail.pending.is_empty() && self.unrecorded_state().into_iter().all(is_known)
     }
 
-    /// What is wrong in the trail.
+    /// Faults of the trail.
     #[must_use]
     pub fn audit(&self) -> Vec<TrailFault> {
         let mut faults = Vec::new();

@@ -24,7 +24,7 @@ pub(crate) fn unescape_formula(cell: &str) -> &str {
     }
 }
 
-/// Whether a spreadsheet evaluates the text. Some skip a leading tab or carriage return first.
+/// Whether a spreadsheet evaluates the text as a formula. Some skip a leading tab or carriage return first.
 fn is_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r']) && !is_number(text)
 }

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read};
 
-use crate::error::{Place, ReadError};
+use crate::error::{Location, ReadError};
 
 /// Longest record (bytes), line breaks in quoted cells included.
 const MAX_RECORD: usize = 1 << 20;
@@ -46,7 +46,7 @@ impl<R: BufRead> Lines<R> {
             let length = self.record.len();
             if !self.read_line()? {
                 let message = "found a quotation mark that is never closed, expected a second one";
-                return Err(ReadError::new(&self.file, Place::Line(start), message));
+                return Err(ReadError::new(&self.file, Location::Line(start), message));
             }
             quotes += count_quotes(&self.record[length..]);
         }
@@ -63,10 +63,11 @@ impl<R: BufRead> Lines<R> {
         let longest = (MAX_RECORD - start) as u64;
         let mut limited = (&mut self.reader).take(longest + 1);
         let read = limited.read_until(b'\n', &mut self.record);
-        read.map_err(|error| ReadError::io(&self.file, Place::Line(self.line), &error))?;
+        read.map_err(|error| ReadError::io(&self.file, Location::Line(self.line), &error))?;
         if self.record.len() > MAX_RECORD {
             let message = "found a line of more than 1 MB, expected a CSV table";
-            return Err(ReadError::new(&self.file, Place::Line(self.line), message));
+            let place = Location::Line(self.line);
+            return Err(ReadError::new(&self.file, place, message));
         }
         if self.line == 1 {
             self.skip_byte_order_mark()?;
@@ -80,7 +81,7 @@ impl<R: BufRead> Lines<R> {
         }
         if self.record.starts_with(b"\xff\xfe") || self.record.starts_with(b"\xfe\xff") {
             let message = "found UTF-16 text, expected UTF-8 text (in Excel: save as CSV UTF-8)";
-            return Err(ReadError::new(&self.file, Place::Line(1), message));
+            return Err(ReadError::new(&self.file, Location::Line(1), message));
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! CSV tables: columns by name, cells with their place in the file.
+//! CSV tables: columns by name, cells with their location in the file.
 
 mod formula;
 mod lines;
@@ -9,7 +9,7 @@ mod write;
 use std::collections::HashMap;
 use std::io::BufRead;
 
-use crate::error::{Place, ReadError, quoted};
+use crate::error::{Location, ReadError, quoted};
 pub use formula::escape_formula;
 use formula::unescape_formula;
 use lines::Lines;
@@ -42,7 +42,7 @@ struct Cells {
 }
 
 /// One row of a table.
-pub(crate) struct Row<'a> {
+pub(crate) struct TableRow<'a> {
     header: &'a Header,
     line: u64,
     text: &'a str,
@@ -55,7 +55,7 @@ impl<R: BufRead> Table<R> {
         let mut lines = Lines::new(reader, file);
         let Some((line, record)) = lines.next_record()? else {
             let message = "found no line, expected a header row";
-            return Err(ReadError::new(file, Place::File, message));
+            return Err(ReadError::new(file, Location::File, message));
         };
         // German Excel uses semicolons as separators, because the comma is the decimal separator, and tabs on the clipboard.
         let count = |c: &u8| record.iter().filter(|byte| *byte == c).count();
@@ -76,7 +76,7 @@ impl<R: BufRead> Table<R> {
     }
 
     /// The next row, which must have as many cells as the header.
-    pub fn next_row(&mut self) -> Result<Option<Row<'_>>, ReadError> {
+    pub fn next_row(&mut self) -> Result<Option<TableRow<'_>>, ReadError> {
         let Self {
             lines,
             header,
@@ -90,7 +90,7 @@ impl<R: BufRead> Table<R> {
             let message = "found a header row only, expected rows of data after it";
             return Err(ReadError::new(
                 &header.file,
-                Place::Line(header.line),
+                Location::Line(header.line),
                 message,
             ));
         };
@@ -98,7 +98,7 @@ impl<R: BufRead> Table<R> {
         cells.split(record, &header.file, line)?;
         let text = utf8(&cells.text, &header.file, line)?;
         header.check_count(line, cells.ends.len())?;
-        Ok(Some(Row {
+        Ok(Some(TableRow {
             header,
             line,
             text,
@@ -161,10 +161,10 @@ impl Header {
     ) -> Result<Self, ReadError> {
         let mut by_name = HashMap::with_capacity(names.len());
         for (k, name) in names.iter().enumerate() {
-            let place = || Place::Cell(line, name.clone());
+            let place = || Location::Cell(line, name.clone());
             if name.is_empty() {
                 let message = format!("found no name for column {}, expected one", k + 1);
-                return Err(ReadError::new(file, Place::Line(line), message));
+                return Err(ReadError::new(file, Location::Line(line), message));
             }
             // Spreadsheets and people write the same name in several ways.
             if by_name.insert(name.to_lowercase(), k).is_some() {
@@ -182,7 +182,7 @@ impl Header {
     }
 
     fn error(&self, name: &str, message: impl Into<String>) -> ReadError {
-        let place = Place::Cell(self.line, name.into());
+        let place = Location::Cell(self.line, name.into());
         ReadError::new(&self.file, place, message)
     }
 
@@ -197,7 +197,7 @@ impl Header {
             ""
         };
         let message = format!("found {found} cells, expected {expected} as in the header{hint}");
-        Err(ReadError::new(&self.file, Place::Line(line), message))
+        Err(ReadError::new(&self.file, Location::Line(line), message))
     }
 }
 
@@ -228,7 +228,7 @@ impl Cells {
                 .read_record(&[], &mut self.text[written..], &mut self.ends[cells..]);
         if read < record.len() {
             let message = "found a quotation mark inside a cell, expected cells quoted as a whole";
-            return Err(ReadError::new(file, Place::Line(line), message));
+            return Err(ReadError::new(file, Location::Line(line), message));
         }
         self.text.truncate(written + more);
         self.ends.truncate(cells + last);
@@ -240,7 +240,7 @@ fn utf8<'a>(text: &'a [u8], file: &str, line: u64) -> Result<&'a str, ReadError>
     std::str::from_utf8(text).map_err(|error| {
         let byte = text[error.valid_up_to()];
         let message = format!("found the byte {byte:#04x}, expected UTF-8 text");
-        ReadError::new(file, Place::Line(line), message)
+        ReadError::new(file, Location::Line(line), message)
     })
 }
 
@@ -256,7 +256,7 @@ fn cell<'a>(text: &'a str, ends: &[usize], k: usize) -> &'a str {
     }
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     /// Line of the file at which the row starts.
     pub fn line(&self) -> u64 {
         self.line
@@ -269,7 +269,7 @@ impl Row<'_> {
 
     /// An error about a cell.
     pub fn error(&self, column: usize, message: impl Into<String>) -> ReadError {
-        let place = Place::Cell(self.line, self.header.names[column].clone());
+        let place = Location::Cell(self.line, self.header.names[column].clone());
         ReadError::new(&self.header.file, place, message)
     }
 

@@ -3,7 +3,7 @@
 /// Largest deviation of a quaternion's norm from one, as files round it.
 const NORM_TOLERANCE: f64 = 1e-3;
 
-/// Describes what is wrong with a quaternion, w first and NaN for an empty cell, and in which component: it must
+/// The faulty component of a quaternion, w first and NaN for an empty cell, and a description of the fault: it must
 /// be complete or absent, and have norm one.
 pub(crate) fn quaternion_fault(wxyz: &[f64; 4]) -> Option<(usize, String)> {
     let empty = wxyz.iter().position(|value| value.is_nan());

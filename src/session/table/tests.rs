@@ -86,7 +86,7 @@ fn endless_lines_are_refused_in_bounded_memory() {
 
 #[test]
 fn the_first_error_is_told() {
-    // A quotation mark is missed when the line is read, long after the row before it was understood.
+    // A missing quotation mark is detected when its line is read, after the rows before it were accepted.
     let error = rows(b"a,b\n1,2\n3\n4,\"5\n").expect_err("a cell is missing");
     assert!(error.contains("line 3"), "{error}");
     let error = rows(b"a,b\n1,2\n4,\"5\n").expect_err("it is not closed");

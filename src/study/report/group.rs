@@ -8,7 +8,7 @@ use crate::result::{CellResult, StudyResult};
 
 /// Cells that differ only in laser and number of poses.
 pub struct Group<'a> {
-    /// What the cells have in common.
+    /// Common properties of the cells.
     pub title: String,
     /// Largest side of the frame (m).
     pub size_m: Option<f64>,
@@ -96,7 +96,7 @@ pub fn laser_name(laser: &str) -> &str {
     }
 }
 
-/// What a cell has in common with those of its group, in words.
+/// Properties that a cell shares with the others of its group, in words.
 pub fn title(plan: &StudyPlan, cell: &CellResult) -> String {
     let cell = &cell.planned.combination;
     let robot = plan
@@ -118,7 +118,7 @@ pub fn title(plan: &StudyPlan, cell: &CellResult) -> String {
     );
     add(cell.length_sd_m, 1e3, "lengths ", "mm");
     add(cell.tension_sd_n, 1.0, "tensions ", "N");
-    // What all cells share does not distinguish them.
+    // A property of all cells does not distinguish groups.
     let design = &plan.study.design;
     let is_random = cell.choice == Choice::Random && design.choice.len() > 1;
     parts.extend(is_random.then(|| "random poses".to_owned()));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use tautline_core::effect::Hypothesis;
-use tautline_session::{HypothesisFolder, Place, Session, read_hypothesis, write_text};
+use tautline_session::{HypothesisFolder, Location, Session, read_hypothesis, write_text};
 use tautline_workflow::clock;
 use tautline_workflow::signature::{Gallery, Signature, try_hypothesis, write_gallery};
 
@@ -185,7 +185,7 @@ fn read(model: &mut Model, path: PathBuf) {
         // A text with a mistake is opened to be corrected, but it has to be a text of a possible size.
         let result = match read_hypothesis(&path) {
             Ok(hypothesis) => Ok(hypothesis.text().to_owned()),
-            Err(error) if error.place == Place::File => Err(error.to_string()),
+            Err(error) if error.place == Location::File => Err(error.to_string()),
             Err(_) => fs::read_to_string(&path).map_err(|error| error.to_string()),
         };
         HypothesisOutcome::Read(path, result).into()

@@ -2,7 +2,7 @@
 
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Cable;
-use tautline_import::{Kind, Mistake, Quantity, TableCheck, check_table};
+use tautline_import::{Mistake, Quantity, QuantityKind as Kind, TableCheck, check_table};
 use tautline_session::PoseLines;
 
 use crate::wording::count;

@@ -3,7 +3,7 @@
 use tautline_core::measurement::{Dataset, Grid};
 use tautline_core::robot::Cable;
 use tautline_core::simulation::TensionRange;
-use tautline_import::{Kind, Line, Mistake, Quantity, Suggestion, TableCheck};
+use tautline_import::{Line, Mistake, Quantity, QuantityKind as Kind, Suggestion, TableCheck};
 use tautline_link::measuring::TensionFault;
 
 use super::faults::{self, ReadingFault};

@@ -21,18 +21,18 @@ const OUTSIDE: usize = 3;
 
 /// Data sets of a study where no number is given.
 const CASES: usize = 20;
-/// First seed of data sets that are looked at while the program is developed.
+/// First seed of data sets for the development of the program.
 const DEVELOPMENT: u64 = 600_000;
 
 struct Arguments {
     kind: String,
     count: Option<usize>,
-    /// Only draw, do not ask the doctor.
+    /// Only draw the data sets; no diagnosis.
     draw: bool,
     failures: bool,
     threads: Option<usize>,
     records: Option<PathBuf>,
-    /// Where the reliability diagram goes.
+    /// File of the reliability diagram.
     diagram: Option<PathBuf>,
     restriction: Restriction,
 }
@@ -46,7 +46,7 @@ impl Arguments {
 /// Runs `hidden ...`.
 ///
 /// # Errors
-/// If the arguments are not understood.
+/// If the arguments are invalid.
 pub fn command(arguments: &[String]) -> Result<()> {
     if let [kind, before, after] = arguments
         && kind == "compare"

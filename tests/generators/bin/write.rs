@@ -26,7 +26,7 @@ const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
 const ISOLABILITY_SEED: u64 = 2027;
 /// Seed of the first data set of the truth study.
 const FIRST_SEED: u64 = 1000;
-/// First seed of the machines whose parts are a little off, and the most faults that are hidden in one.
+/// First seed of the machines whose parts deviate within tolerances, and the largest number of faults hidden in one.
 const TOLERANCES_SEED: u64 = 40_000;
 const MOST_FAULTS: usize = 4;
 /// Seed of the first life.
@@ -50,9 +50,9 @@ const SOAK_SEED: u64 = 52_000;
 const DAMAGE_SEED: u64 = 51_000;
 /// Seed of the first machine with a fault of the field.
 const FIELD_SEED: u64 = 70_000;
-/// Seed of the first robot that is measured until it is certain.
+/// Seed of the first robot that is measured until its fault is certain.
 const UNTIL_SEED: u64 = 46_000;
-/// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
+/// Files of the outcomes of studies, from which an interrupted study continues.
 const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
@@ -64,7 +64,7 @@ const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_option = |argument: &String| argument.starts_with('-');
-    // Only studies have options; for others one is no name of a folder.
+    // Only studies have options; elsewhere an option must not be taken for the name of a folder.
     if arguments.first().is_some_and(|first| first != "hidden") && arguments.iter().any(is_option) {
         bail!(USAGE);
     }
@@ -127,8 +127,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Kills so many measuring runs and adjustments over OPC UA, without security, encrypted or both; what should not have happened
-/// goes to standard error.
+/// Kills a number of measuring runs and adjustments over OPC UA, without security, encrypted or both; failures
+/// go to standard error.
 fn kills_table(arguments: &[String]) -> Result<String> {
     let runs = arguments.first().map_or(Ok(50), |runs| runs.parse())?;
     let protocols = match arguments.get(1).map(String::as_str) {
@@ -149,7 +149,7 @@ fn kills_table(arguments: &[String]) -> Result<String> {
     Ok(kills::markdown(&all))
 }
 
-/// Reads so many damaged files; panics, aborts and time limits go to standard error.
+/// Reads a number of damaged files; panics, aborts and time limits go to standard error.
 fn damaged_files_table(files: Option<&str>) -> Result<String> {
     let files = files.map_or(Ok(1000), str::parse)?;
     let outcomes = damaged_files::study(files, DAMAGE_SEED)?;
@@ -164,7 +164,7 @@ fn isolability_table() -> Result<String> {
     Ok(isolability::markdown(&pairs))
 }
 
-/// Identifies so many recordings of each robot, and asks the doctor about so many.
+/// Identifies a number of recordings of each robot, and diagnoses a number of them.
 fn motion_table(numbers: &[String]) -> Result<String> {
     let number = |k: usize| numbers.get(k).map(|text| text.parse::<usize>());
     let recordings = number(0).unwrap_or(Ok(300))?;
@@ -182,7 +182,7 @@ fn motion_table(numbers: &[String]) -> Result<String> {
     Ok(motion::markdown(&rows, &doctor))
 }
 
-/// Diagnoses so many machines of each kind, whose every part is a little off, and as many exact ones.
+/// Diagnoses a number of machines of each kind, all of whose parts deviate within tolerances, and as many exact ones.
 fn formulas_table(sets: Option<&str>) -> Result<String> {
     let sets = sets.map_or(Ok(100), str::parse)?;
     Ok(formulas::markdown(&formulas::study(sets, FORMULAS_SEED)?))
@@ -212,7 +212,7 @@ fn lives_table(lives: Option<&str>) -> Result<String> {
     Ok(lives::markdown(&lives::study(lives, LIVES_SEED)?))
 }
 
-/// Measures so many robots until it is certain what is wrong with them, from a seed on.
+/// Measures a number of robots until their fault is certain, from a seed on.
 fn until_table(numbers: &[String]) -> Result<String> {
     let robots = numbers.first().map_or(Ok(300), |text| text.parse())?;
     let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
@@ -227,7 +227,7 @@ fn tolerances_table(machines: Option<&str>) -> Result<String> {
     Ok(tolerances::markdown(&rows))
 }
 
-/// Diagnoses so many random robots without a fault, from a seed on; what is said about them goes to standard error.
+/// Diagnoses a number of random robots without a fault, from a seed on; false findings go to standard error.
 fn clean_robots_table(numbers: &[String]) -> Result<String> {
     let number = |k: usize| numbers.get(k).map(|text| text.parse::<u64>()).transpose();
     let robots = number(0)?.unwrap_or(2000) as usize;
@@ -245,7 +245,7 @@ fn certificate_table(numbers: &[String]) -> Result<String> {
     Ok(format!("{coverage}\n{propagation}\n{recomputation}"))
 }
 
-/// Diagnoses a fault of five robots at one number of poses, or at all; wrong names go to standard error.
+/// Diagnoses a fault of five robots with one number of poses, or with all numbers; wrong names go to standard error.
 fn over_poses_table(poses: Option<&str>) -> Result<String> {
     let one = poses.map(str::parse).transpose()?;
     let numbers = one.map_or(NUMBERS_OF_POSES.to_vec(), |poses| vec![poses]);
@@ -253,8 +253,8 @@ fn over_poses_table(poses: Option<&str>) -> Result<String> {
     Ok(random_robots::poses_markdown(&rows))
 }
 
-/// Diagnoses so many random machines with each fault of the field, or with one, from a seed on; what is missed or false goes to standard
-/// error, and to a folder.
+/// Diagnoses a number of random machines with each fault of the field, or with one, from a seed on; missed and false findings
+/// go to standard error, and to a folder.
 fn field_table(arguments: &[String]) -> Result<String> {
     let text = |k: usize| arguments.get(k).map(String::as_str);
     let number = |k: usize| text(k).map(str::parse::<u64>).transpose();
@@ -292,7 +292,7 @@ fn hangprinter_table(folder: Option<&str>) -> Result<String> {
     ))
 }
 
-/// Speed of the window; written only on request, because nothing else may run on the machine meanwhile.
+/// Speed of the window; only on request, because nothing else may run on the machine at the same time.
 fn workbench(what: Option<&str>) -> Result<()> {
     if let Some(part) = what.filter(|what| *what != "write") {
         println!("{}", window::speed::part(part)?);
@@ -328,7 +328,7 @@ fn which_sensor_tables(what: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Speed and memory of studies, printed, or put into docs/STUDIES.md, because nothing else may run on the machine meanwhile.
+/// Speed and memory of studies, printed, or put into docs/STUDIES.md; nothing else may run on the machine at the same time.
 fn study_speed(what: Option<&str>) -> Result<()> {
     let is_written = what == Some("write");
     let calibrations = what.filter(|_| !is_written);
@@ -383,7 +383,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Writes a table to docs/NAME.txt, below the lines there that say what it is.
+/// Writes a table to docs/NAME.txt, below the description at its beginning.
 fn save(name: &str, table: &str) -> Result<()> {
     let path = document().with_file_name(format!("{name}.txt"));
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;

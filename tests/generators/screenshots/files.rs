@@ -10,14 +10,14 @@ use tautline_session::write_bytes;
 
 /// Colours of a palette.
 const COLOURS: usize = 256;
-/// Frames are shown for tenths of a second.
+/// Number of time units of a frame in a second.
 const TENTHS: u16 = 10;
 
-/// A frame of an animation and how long it is shown (tenths of a second).
+/// A frame of an animation with its duration.
 pub struct Frame {
-    /// What is seen.
+    /// The picture.
     pub picture: RgbImage,
-    /// How long.
+    /// Duration (tenths of a second).
     pub tenths: u16,
 }
 

@@ -33,7 +33,7 @@ struct Looks {
 }
 
 impl Looks {
-    /// What is there now, as everybody may see it.
+    /// Pictures of the present screen in all themes, sizes and scales.
     fn at(&mut self, name: &str) -> Result<()> {
         if self.only.as_ref().is_some_and(|only| !name.contains(only)) {
             return Ok(());
@@ -80,7 +80,7 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
         let mut names = names.iter();
         names.any(|name| name.contains(only) || only.starts_with(name))
     };
-    // What no name begins like can be anywhere.
+    // A text with which no name begins may be anywhere in names.
     let only = only.filter(|only| SECTIONS.iter().any(|(names, _)| is_asked(names, only)));
     for (names, section) in SECTIONS {
         if only.is_none_or(|only| is_asked(names, only)) {
@@ -92,10 +92,10 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Takes pictures from the start screen on, and leaves a session at most.
+/// Takes pictures, beginning at the start screen; may leave a session open.
 type Section = fn(&mut Looks) -> Result<()>;
 
-/// How names of pictures begin, and what takes them.
+/// Beginnings of the names of pictures, and the function that takes them.
 const SECTIONS: [(&[&str], Section); 11] = [
     (&["demo"], demo),
     (&["until"], until),
@@ -110,7 +110,7 @@ const SECTIONS: [(&[&str], Section); 11] = [
     (&["hypothesis", "gallery"], hypothesis),
 ];
 
-/// How names of pictures of dialogs begin.
+/// Beginnings of the names of pictures of dialogs.
 const DIALOGS: &[&str] = &[
     "palette", "log", "report", "manual", "about", "connect", "unsaved", "save-as", "menu",
 ];
@@ -220,7 +220,7 @@ fn imports(looks: &mut Looks) -> Result<()> {
     Ok(())
 }
 
-/// A run of the demonstration: what moves, stops and is verified.
+/// A run of the demonstration: moving, stopped and verified.
 fn demo(looks: &mut Looks) -> Result<()> {
     looks.stage.press("Try the demo robot");
     looks.at("demo-phase-1")?;
@@ -279,7 +279,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
     Ok(())
 }
 
-/// A run that measures until it is known what is wrong: its goals, on the way, and its end.
+/// A run that measures until the cause is certain: its goals, on the way, and its end.
 fn until(looks: &mut Looks) -> Result<()> {
     looks.stage.press("Try the demo robot");
     phase(&mut looks.stage, Phase::Measuring);

@@ -77,7 +77,7 @@ fn phase(stage: &mut Stage, step: Phase) {
     stage.give(ViewCommand::Go(Screen::Phase(step)));
 }
 
-/// The demonstration in the middle of a run that measures until it is known what is wrong.
+/// The demonstration in the middle of a run that measures until the cause is certain.
 fn until() -> Result<Stage> {
     let mut stage = Stage::new(LARGE)?;
     stage.press("Try the demo robot");
@@ -100,12 +100,12 @@ fn until() -> Result<Stage> {
         until.map_or(0, |until| until.poses().len())
     };
     stage.wait("a decision", |state| chosen(state) > FIRST_POSES + 2);
-    // Slow enough to stay on its way.
+    // Slow enough to be still on its way.
     stage.give(RobotCommand::Speed(1.0));
     Ok(stage)
 }
 
-/// Sessions with something wrong, in the phase that finds it.
+/// Sessions with a fault, in the phase that finds it.
 fn causes(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     open(&mut stage, SESSION);
@@ -137,7 +137,7 @@ fn comparison(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     stage.give(CompareCommand::Show);
     for run in ["before.json", "after.json"] {
-        // Named as one would from the folder of the repository.
+        // Path relative to the folder of the repository.
         let path = Path::new("sessions/before-after").join(run);
         stage.give(CompareCommand::Drop(path));
     }

@@ -20,7 +20,7 @@ pub const LARGE: [f32; 2] = [1440.0, 900.0];
 pub const SMALL: [f32; 2] = [1280.0, 800.0];
 /// Seed of the demonstration: always the same fault.
 const DEMO_SEED: u64 = 3;
-/// How much faster than real the simulated robot moves.
+/// Speed of the simulated robot as a multiple of real time.
 const ROBOT_SPEED: f64 = 60.0;
 
 /// A workbench with files in a folder that lives as long as this.
@@ -54,7 +54,7 @@ impl Stage {
         })
     }
 
-    /// Gives a command and waits until all is done.
+    /// Gives a command and waits until all tasks have ended.
     pub fn give(&mut self, command: impl Into<Command>) {
         give(&mut self.harness, command);
     }
@@ -70,12 +70,12 @@ impl Stage {
         &self.harness.state().state
     }
 
-    /// Presses what has this name and waits until all is done.
+    /// Presses the element with this name and waits until all tasks have ended.
     pub fn press(&mut self, name: &str) {
         press(&mut self.harness, name);
     }
 
-    /// Presses the first that has a name beginning like this, and waits until all is done.
+    /// Presses the first element whose name begins like this, and waits until all tasks have ended.
     pub fn press_first(&mut self, beginning: &str) {
         let found = self.harness.get_all_by_label_contains(beginning).next();
         found.expect("one at least").click_accesskit();
@@ -83,7 +83,7 @@ impl Stage {
         settle(&mut self.harness);
     }
 
-    /// Presses the last that has this name and can be pressed, and waits until all is done.
+    /// Presses the last enabled element with this name, and waits until all tasks have ended.
     pub fn press_named(&mut self, name: &str) {
         let mut found: Vec<_> = self.harness.query_all_by_label(name).collect();
         found.retain(|node| node.accesskit_node().role() != Role::Label);
@@ -94,7 +94,7 @@ impl Stage {
         settle(&mut self.harness);
     }
 
-    /// Shows a plot, from the menu of those whose tabs have no room if need be.
+    /// Shows a plot, if necessary from the menu of plots whose tabs have no room.
     pub fn press_tab(&mut self, title: &str) {
         if self
             .harness
@@ -106,14 +106,14 @@ impl Stage {
         self.press_named(title);
     }
 
-    /// Presses keys and waits until all is done.
+    /// Presses keys and waits until all tasks have ended.
     pub fn key(&mut self, modifiers: egui::Modifiers, key: egui::Key) {
         self.harness.key_press_modifiers(modifiers, key);
         self.harness.step();
         settle(&mut self.harness);
     }
 
-    /// Makes the window so large (pixels), at a scale.
+    /// Resizes the window (pixels), at a scale.
     pub fn resize(&mut self, size: [f32; 2], scale: f32) {
         self.harness.set_pixels_per_point(scale);
         // The scale changes with the next frame, and the size with it.
@@ -122,7 +122,7 @@ impl Stage {
         settle(&mut self.harness);
     }
 
-    /// Scrolls to the first that has a name beginning like this, if there is one.
+    /// Scrolls to the first element whose name begins like this; returns whether there is one.
     pub fn shows(&mut self, beginning: &str) -> bool {
         let found = self.harness.query_all_by_label_contains(beginning).next();
         let is_there = found.map(|found| found.scroll_to_me()).is_some();
@@ -130,7 +130,7 @@ impl Stage {
         is_there
     }
 
-    /// Scrolls to the first that has a name beginning like this.
+    /// Scrolls to the first element whose name begins like this.
     pub fn show(&mut self, beginning: &str) {
         let found = self.harness.get_all_by_label_contains(beginning).next();
         found.expect("one at least").scroll_to_me();
@@ -147,7 +147,7 @@ impl Stage {
         give_parameters(&mut self.harness);
     }
 
-    /// Writes the values that are shown, in the name of an operator.
+    /// Writes the shown values under the name of an operator.
     pub fn confirm_write(&mut self, operator: &str) {
         let dialogs = &mut self.harness.state_mut().state.model.dialogs;
         if let Some(draft) = &mut dialogs.writing {
@@ -157,15 +157,15 @@ impl Stage {
         self.wait("the values", |state| !state.model.link.writing);
     }
 
-    /// Lets the workbench run until its state is as wanted.
+    /// Lets the workbench run until its state meets a condition.
     pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
         wait(&mut self.harness, what, reached);
     }
 
-    /// What one would see now.
+    /// Picture of the present window.
     pub fn picture(&mut self) -> Result<RgbImage> {
         self.harness.run_ok();
-        // What is drawn in three dimensions is known a frame later.
+        // The 3D view is complete one frame later.
         self.renderer.picture(&self.harness)?;
         self.harness.step();
         let picture = self.renderer.picture(&self.harness)?;

@@ -1,4 +1,4 @@
-//! The tour: what one does from the start to the cause of a fault, as an animation.
+//! The tour: the steps from the start to the cause of a fault, as an animation.
 
 use std::path::Path;
 
@@ -13,12 +13,12 @@ use super::stage::{LARGE, Stage};
 
 /// Size of its frames (pixels).
 const SIZE: [u32; 2] = [864, 540];
-/// How long a frame is shown (tenths of a second).
+/// Duration of a frame (tenths of a second).
 const SHORT: u16 = 12;
-/// How long one is shown on which there is much to read.
+/// Duration of a frame with much text (tenths of a second).
 const LONG: u16 = 25;
 
-/// What was filmed so far.
+/// The frames so far.
 struct Film {
     stage: Stage,
     frames: Vec<Frame>,
@@ -98,7 +98,7 @@ fn identified(film: &mut Film) -> Result<()> {
     film.shot(LONG)
 }
 
-/// Phase 5: what was found goes to the controller, and is checked.
+/// Phase 5: the identified values are written to the controller and verified.
 fn adjusted(film: &mut Film) -> Result<()> {
     film.go(Phase::Adjustment);
     film.shot(LONG)?;

@@ -25,7 +25,7 @@ const POSES_AFTER_S: i64 = 5400;
 const IDENTIFIED_AFTER_S: i64 = 6000;
 const DIAGNOSED_AFTER_S: i64 = 6060;
 
-/// A sample session with what was computed for it.
+/// A sample session with its results.
 pub struct Made {
     /// The session.
     pub session: Session,
@@ -38,12 +38,12 @@ pub struct Made {
 /// Makes a sample session; the same one every time.
 ///
 /// # Errors
-/// If the recipe is of no possible robot.
+/// If the robot of the recipe is impossible.
 pub fn make(recipe: &Recipe) -> Result<Made> {
     let mut session = measured(recipe)?;
     let request = IdentificationRequest::of_session(&session)?;
     let mut fit = identify(&request, &mut |_| Control::Continue)?;
-    // No clock runs here: a time that differs would make another file.
+    // Zero, because a measured time would change the file each time.
     fit.seconds = 0.0;
     let document = fit.document();
     let poses = session.measurements.len();
@@ -106,7 +106,7 @@ fn measured(recipe: &Recipe) -> Result<Session> {
         session.settings.identification.effects = recipe.hidden.iter().map(setting).collect();
     }
     session.measurements = rounding::readings(&run.dataset.measurements);
-    // The platform was sent home by the drawing, too.
+    // The home pose was commanded according to the drawing, too.
     if let (Some(home), Some(commanded)) = (
         &session.robot.home,
         session.measurements.commanded.first_mut(),
@@ -183,7 +183,7 @@ fn keep<D: VersionedFile>(session: &mut Session, title: &str, document: &D, time
     let mut record = results::record(session, title, document, time);
     let mut value = record.document.value();
     rounding::result(&mut value);
-    // Values came from it.
+    // The value was made from the document.
     record.document = ResultDocument::of(&value).unwrap_or_default();
     session.add_result(record);
 }

@@ -1,4 +1,4 @@
-//! The sample sessions in `sessions/`: what is hidden in each, and how its files are made.
+//! The sample sessions in `sessions/`: their hidden faults, and the generation of their files.
 
 mod make;
 mod recipes;
@@ -13,7 +13,7 @@ use tautline_session::write_session;
 pub use make::{Made, make};
 pub use recipes::{Moved, RECIPES, Recipe};
 
-/// Where the sample sessions lie.
+/// Folder of the sample sessions.
 #[must_use]
 pub fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../sessions"))

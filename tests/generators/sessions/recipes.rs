@@ -1,11 +1,11 @@
-//! What is hidden in each sample session.
+//! Recipes of the sample sessions, with their hidden faults.
 
-/// A pulley that has another place than in the session before.
+/// A pulley that was moved since the previous session.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved {
     /// Index of its cable.
     pub cable: usize,
-    /// By how much its entry point was moved (m).
+    /// Displacement of its entry point (m).
     pub by_m: [f64; 3],
 }
 
@@ -16,7 +16,7 @@ pub type Hidden = (
     &'static [(&'static str, f64)],
 );
 
-/// How one sample session is made.
+/// Recipe of a sample session.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recipe {
     /// Its file below `sessions/`.
@@ -31,21 +31,21 @@ pub struct Recipe {
     pub robot_seed: u64,
     /// Seed of the readings.
     pub seed: u64,
-    /// When the first pose was measured.
+    /// Time at which the first pose was measured.
     pub begun: &'static str,
-    /// What the description of the robot does not know.
+    /// Effects of the true robot that its description lacks.
     pub hidden: &'static [Hidden],
     /// A pulley that was moved before the poses were measured.
     pub moved: Option<Moved>,
-    /// Whether the description has the weight of the cables.
+    /// Whether the description states the weight of the cables.
     pub cable_weight_is_stated: bool,
     /// Whether an external instrument measures the platform at every pose.
     pub is_tracked: bool,
-    /// Whether force sensors, home platform and elongation were measured on the bench before.
+    /// Whether force sensors, home platform and elongation were calibrated on the bench before.
     pub has_bench: bool,
-    /// Whether the winches were measured there, too.
+    /// Whether the winches were calibrated on the bench, too.
     pub has_winch_bench: bool,
-    /// Whether somebody asked what the model gets wrong.
+    /// Whether the session has a diagnosis.
     pub is_diagnosed: bool,
     /// Whether the model of the session has the hidden effects.
     pub knows_hidden: bool,

@@ -1,5 +1,5 @@
-//! Numbers as instruments and people write them: short files, and the same on machines that round differently in the
-//! last digits.
+//! Rounds numbers as instruments and people write them: files are short, and the same on machines that round differently in
+//! the last digits.
 
 use serde_json::{Number, Value};
 use tautline_core::geometry::Pose;
@@ -9,18 +9,18 @@ use tautline_session::PhaseData;
 
 /// Significant digits of a computed result, and of a deviation.
 const DIGITS: usize = 6;
-/// Steps of what is true, and of what is commanded (m, or parts of a quaternion).
+/// Steps per unit of true and commanded values (m, or components of a quaternion).
 const EXACT: f64 = 1e9;
-/// Steps of an encoder in a revolution.
+/// Steps of an encoder per revolution.
 const REVOLUTION: f64 = 1e5;
-/// Steps of a distance in a metre.
+/// Steps of a distance per metre.
 const METRE: f64 = 1e5;
-/// Steps of a force in a newton.
+/// Steps of a force per newton.
 const NEWTON: f64 = 1e2;
 
-/// To a whole number of steps, of which there are `steps` in the unit. Dividing gives the shortest number.
+/// Rounds to a whole number of steps, `steps` per unit. The division gives the number with the fewest digits.
 fn to(steps: f64, value: f64) -> f64 {
-    // The sum makes -0 to 0.
+    // The sum turns -0 into 0.
     (value * steps).round() / steps + 0.0
 }
 
@@ -39,7 +39,7 @@ fn pose(pose: &Pose) -> Pose {
     Pose::from_parts(position.map(|v| to(EXACT, v)), orientation)
 }
 
-/// Readings as the instruments give them; without the truth that only a simulation knows.
+/// Readings as the instruments give them, without the true values of the simulation.
 pub fn readings(measurements: &Measurements) -> Measurements {
     let commanded = measurements.commanded.iter();
     Measurements {
@@ -61,7 +61,7 @@ pub fn readings(measurements: &Measurements) -> Measurements {
     }
 }
 
-/// Tables of the bench as somebody has written them down.
+/// Tables of the bench as written by hand.
 pub fn tables(mut phases: PhaseData) -> PhaseData {
     for pair in &mut phases.winch {
         pair.length_m = to(METRE, pair.length_m);
@@ -79,7 +79,7 @@ pub fn tables(mut phases: PhaseData) -> PhaseData {
     phases
 }
 
-/// What is true of a robot: its geometry to a nanometre, deviations of its parts to six significant digits.
+/// The true robot: its geometry to a nanometre, deviations of its parts to six significant digits.
 pub fn truth(robot: &Robot) -> Robot {
     let mut rounded = robot.clone();
     let exact = |values: [f64; 3]| values.map(|v| to(EXACT, v));
@@ -102,12 +102,12 @@ pub fn truth(robot: &Robot) -> Robot {
     rounded
 }
 
-/// A number to six significant digits.
+/// Rounds a number to six significant digits.
 fn significant(value: f64) -> Option<f64> {
     format!("{value:.*e}", DIGITS - 1).parse().ok()
 }
 
-/// A computed document to six significant digits.
+/// Rounds the numbers of a computed document to six significant digits.
 pub fn result(value: &mut Value) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(result),

@@ -12,7 +12,7 @@ use tautline_link::Controller;
 use tautline_validation::support::ads::Plant;
 use tautline_validation::support::ads::symbols::Style;
 
-/// Samples of which the time is taken.
+/// Number of samples that are timed.
 const SAMPLES: usize = 3000;
 /// Rate of the long run.
 const PERIOD: Duration = Duration::from_millis(10);

@@ -11,7 +11,7 @@ use tautline_core::robot::{Robot, presets};
 const POSES: usize = 500;
 const RUNS: usize = 41;
 
-/// MINI with all anchors on the lines to their pulleys, which leaves rotation about z hardly seen.
+/// MINI with all anchors on the lines to their pulleys, so that lengths are nearly independent of the rotation about z.
 fn in_line(mut robot: Robot) -> Robot {
     for cable in &mut robot.cables[4..] {
         cable.platform_anchor_m[0] = -cable.platform_anchor_m[0];

@@ -1,4 +1,4 @@
-//! What the targets share.
+//! Functions shared by the fuzz targets.
 
 use tautline_core::robot::Robot;
 use tautline_import::{MemoryBudget, import, propose, read_robot_description, read_source};
@@ -21,7 +21,7 @@ pub fn check_error(error: &ReadError, file: &str) {
     assert!(text.len() < 1500, "{text}");
 }
 
-/// Whatever a file holds, it is read or refused; whatever was read has a proposal, which is a recipe of these channels.
+/// Any file is either read or refused; for every file that is read, the proposal is a valid recipe of its channels.
 pub fn check_import(bytes: &[u8]) {
     let path = std::env::temp_dir().join(format!("tautline-fuzz-{}.foreign", std::process::id()));
     std::fs::write(&path, bytes).expect("written");

@@ -1,4 +1,4 @@
-//! Files that the documents show are there, and small.
+//! Files shown in the documents exist and are small.
 
 use std::fs;
 use std::path::Path;

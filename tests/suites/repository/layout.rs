@@ -1,4 +1,4 @@
-//! What docs/ARCHITECTURE.md says of files and modules.
+//! Statements of docs/ARCHITECTURE.md about files and modules.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -70,7 +70,7 @@ fn modules_in_table(heading: &str) -> BTreeSet<&'static str> {
         .collect()
 }
 
-/// Modules that a folder has, but for its tests.
+/// Modules of a folder, except its tests.
 fn modules_of(folder: &Path) -> BTreeSet<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());

@@ -56,7 +56,7 @@ fn exceptions_for(name: &str) -> Vec<String> {
         .collect()
 }
 
-/// Whether one of the licences on offer is among the allowed ones, with its exceptions.
+/// Whether one of the alternative licences of a package is allowed, with its exceptions.
 fn is_allowed(licence: &str, allowed: &[String]) -> bool {
     let expression = Expression::parse_mode(licence, ParseMode::LAX);
     expression.is_ok_and(|e| e.evaluate(|requirement| allowed.contains(&requirement.to_string())))

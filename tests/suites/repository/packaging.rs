@@ -1,4 +1,4 @@
-//! What packages consist of is there and agrees with itself.
+//! The files of packages exist and are consistent.
 
 use std::fs;
 use std::path::Path;
@@ -49,7 +49,7 @@ fn files_of_the_debian_package_are_there() {
     let mut count = 0;
     for asset in assets {
         let source = asset[0].as_str().expect("a path");
-        // The program, and what it writes itself.
+        // The program, and the files that it writes itself.
         if !source.contains("target/") {
             let path = Path::new(ROOT).join("src/workbench").join(source);
             assert!(path.is_file(), "{source}");
@@ -69,7 +69,7 @@ fn packages_have_all_formats_and_store_passwords() {
     assert!(builds[0].ends_with(" --features more-formats,keyring"));
 }
 
-/// What is written in many files about whoever publishes the program is the same in all of them.
+/// All files state the same publisher of the program.
 #[test]
 fn who_publishes_is_stated_alike() {
     let about = text("assets/linux/tautline.metainfo.xml");

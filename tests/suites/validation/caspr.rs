@@ -1,4 +1,4 @@
-//! Robots of another program. Their files belong to that project and are looked for next to the repository.
+//! Robots of CASPR. The files belong to that project and are expected in a folder next to the repository.
 
 use std::path::{Path, PathBuf};
 

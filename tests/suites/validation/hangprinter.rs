@@ -1,4 +1,4 @@
-//! A real machine. Its data belong to another project and are looked for next to the repository.
+//! A real machine. Its data belong to another project and are expected in a folder next to the repository.
 
 use std::path::{Path, PathBuf};
 
@@ -111,7 +111,7 @@ fn diagnosis_names_drum_radii_and_build_up() {
     }
     let growth = opinion.growth.unwrap();
     assert!((-1.9e-4..=-0.9e-4).contains(&growth), "{growth}");
-    // Worse than the 2.68 mm of the other grouping with exact parts: known, and kept in view here.
+    // Worse than the 2.68 mm of the other grouping with exact parts: a known weakness.
     let predicted = opinion.other_rms_m * 1e3;
     assert!((predicted / 3.137 - 1.0).abs() < 0.02, "{opinion:?}");
 }

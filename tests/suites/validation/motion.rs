@@ -22,7 +22,7 @@ fn delays_and_entry_points_are_within_their_intervals() {
     }
 }
 
-/// Of one recording, half as long, with a seed for which it holds; how often it does not is in docs/VALIDATION.md.
+/// One recording of half the duration, with a seed for which the diagnosis is right; docs/VALIDATION.md has the success rate.
 #[test]
 fn the_doctor_names_latency_and_drum() {
     let short = Recording {

@@ -38,7 +38,7 @@ fn mini() -> (Robot, Robot) {
     (drawn, measured)
 }
 
-/// Numbers in (-1, 1), the same everywhere (Knuth's multiplicative generator).
+/// Numbers in (-1, 1), the same on all machines (Knuth's multiplicative generator).
 struct Numbers(u64);
 
 impl Numbers {
@@ -106,7 +106,7 @@ fn dataset() -> Result<Dataset> {
     })
 }
 
-/// Writes what the script reads of a dataset folder.
+/// Writes the files of a dataset folder that the script reads.
 fn write_folder(data: &Dataset, folder: &Path) -> Result<()> {
     let mut robot = serde_json::to_value(&data.robot)?;
     robot["format"] = json!("tautline-robot");

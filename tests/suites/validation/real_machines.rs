@@ -1,4 +1,4 @@
-//! What went wrong on real machines, with simulated data of the same kind.
+//! Faults of real machines, with simulated data of the same kind.
 
 use tautline_core::diagnosis::{Diagnosis, DiagnosisOptions, Finding, Verdict, diagnose};
 use tautline_core::effect::{EffectRequest, EffectSetting};
@@ -137,7 +137,7 @@ fn a_scale_of_absolute_lengths_does_not_shrink_residuals_by_itself() {
     }
 }
 
-/// One empty cell: the fit with an effect on that cable arrives where it does with the cell, and the cause is named.
+/// With one empty cell, the fit with an effect on that cable gives the same result as with the cell, and names the cause.
 #[test]
 fn an_empty_cell_stops_no_fit() {
     let setup = setup("planar", 600_909);
@@ -151,7 +151,7 @@ fn an_empty_cell_stops_no_fit() {
     ] {
         let (full, holed) = (fitted(&whole, effects), fitted(&dataset, effects));
         assert!(holed.converged() && holed.iterations > 0, "{effects:?}");
-        // One reading less: its own square, and what it tells of the rest.
+        // One reading less: chi-square changes by its own square, and by its influence on the other residuals.
         let difference = full.chi2 - holed.chi2;
         assert!(difference.abs() < 30.0, "{effects:?}: {difference}");
     }
@@ -160,7 +160,7 @@ fn an_empty_cell_stops_no_fit() {
     assert_eq!(diagnosis.findings[0].verdict(), Verdict::Named);
 }
 
-/// Friction is not negative, whatever the data look like.
+/// Friction is not negative for any data.
 #[test]
 fn parameters_keep_their_physical_sign() {
     let hidden = effect("pulley_friction", &["cable-2"], &[("mu", -0.1)]);
@@ -175,7 +175,7 @@ fn parameters_keep_their_physical_sign() {
     }
 }
 
-/// Readings that scatter far less than stated do not make a statement whose value is a bound of the search.
+/// Readings that scatter far less than stated do not lead to a noise statement at a bound of the search.
 #[test]
 fn a_noise_at_its_bound_is_no_statement() {
     for seed in 600_911..600_914 {
@@ -224,7 +224,7 @@ fn growth_of_a_drum_is_refused_where_lengths_are_absolute() {
     );
 }
 
-/// What a constant, a slope or a curvature in the cable paid out explains has a name.
+/// An error that is constant, linear or quadratic in the cable paid out is named.
 #[test]
 fn what_the_catalogue_can_express_is_never_unknown() {
     let settings = [

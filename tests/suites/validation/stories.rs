@@ -1,6 +1,6 @@
-//! Public bug reports of cable robots, re-created as data with the right answer. They are looked for next to the repository.
+//! Public bug reports of cable robots, re-created as data with the right answer, in a folder next to the repository.
 //!
-//! An answer is right if the cause is named or listed, or the mistake is said, and no other cause is named.
+//! An answer is right if the cause is named or listed, or the mistake is reported, and no other cause is named.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use tautline_session::read_dataset;
 use tautline_validation::tables::field::answer::{Answer, Right, judged};
 use tautline_workflow::diagnosis::{Diagnosed, TIME_LIMIT_S, diagnose_dataset};
 
-/// What each README says.
+/// The right answer of each README.
 fn stories() -> Vec<(&'static str, Right)> {
     let both = Vec::new;
     vec![

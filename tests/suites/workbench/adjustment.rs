@@ -79,7 +79,7 @@ fn writing_identified_values_improves_the_accuracy() {
     bench.go(Phase::Adjustment);
     bench.harness.get_by_label_contains("not identified yet");
     verify(&mut bench, "Measure before", 1);
-    // What the doctor would name: without it the pulleys alone would have to explain the fault.
+    // The effect that a diagnosis would name; without it the pulleys alone would have to explain the fault.
     let simulator = bench.session().simulator.clone().expect("a demonstration");
     let fault = simulator.truth.effects[0].clone();
     bench.give(Edit::AddEffects(vec![fault], "add the fault".into()));
@@ -316,7 +316,7 @@ fn an_effect_taken_out_of_the_model_is_taken_out_of_the_controller() {
         "{}",
         status(&bench)
     );
-    // The session knows it without the controller, too.
+    // The session has the values without the controller, too.
     let path = bench.folder.path().join("written.json");
     bench.give(FileCommand::SaveAs(path.clone()));
     bench.settle("a file");

@@ -1,4 +1,4 @@
-//! The window that connects, and what it connects to: recordings, lasers that are typed, a controller that speaks ADS.
+//! The connection dialog, with recordings, typed laser distances, and a controller over ADS.
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -60,7 +60,7 @@ fn told(state: &State, part: &str) -> bool {
     all.any(|message| message.text.contains(part))
 }
 
-/// Whether somewhere on the screen is a text with this part.
+/// Whether any text on the screen contains this part.
 fn shows(bench: &Bench, part: &str) -> bool {
     words(&bench.harness).iter().any(|text| text.contains(part))
 }
@@ -95,7 +95,7 @@ fn invalid_entries_are_explained_beside_their_fields_and_settings_can_be_undone(
     );
     bench.press("Beckhoff controller (ADS)");
     assert!(!is_enabled(&bench, "Connect"));
-    // What is not typed yet is no mistake: the foot of the window alone says what is missing.
+    // An empty field is not a mistake: only the foot of the window states what is missing.
     assert!(shows(
         &bench,
         "Not ready to connect: Controller: found nothing"
@@ -246,7 +246,7 @@ fn a_typed_laser_distance_is_requested_at_every_pose() {
         typed.push(text.parse::<f64>().expect("a number") * 1e-3);
         bench.wait("the pose", |state| measured(state) > pose);
     }
-    // Its robot is simulated from the description, which a report has to say.
+    // The robot is simulated from the description, which a report has to state.
     assert!(bench.session().is_simulated());
     let laser_m = &bench.session().measurements.laser_m;
     let same = laser_m

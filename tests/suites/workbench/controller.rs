@@ -60,7 +60,7 @@ fn a_panic_in_the_controller_thread_is_reported_and_loses_nothing() {
     );
     let kept = bench.session().measurements.clone();
     assert!(kept.len() >= 3);
-    // What was measured is in the recovery folder, too.
+    // The measured poses are in the recovery folder, too.
     let left = find_unsaved_sessions(&bench.state().model.folders.recovery()).expect("readable");
     let on_disk = left.first().map(|left| left.poses);
     assert!(left.is_empty() || on_disk >= Some(3), "{on_disk:?}");

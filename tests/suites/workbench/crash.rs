@@ -1,4 +1,4 @@
-//! What a kill at any moment leaves: the program is killed while it measures, edits and saves.
+//! Sessions after a kill at any moment: the program is killed while it measures, edits and saves.
 //!
 //! The killed program is this test itself, started again: [`a_session_that_is_measured_edited_and_saved`] goes on until
 //! it is killed if it is given a folder.
@@ -80,7 +80,7 @@ impl Running {
         document.expect("the demonstration is open")
     }
 
-    /// As the phase Measuring does it: first on disk, then in the session.
+    /// Stores a pose like the phase Measuring: first on disk, then in the session.
     fn measure(&mut self, pose: &MeasuredPose) {
         if !self.document().is_unsaved() {
             self.document().log(Phase::Poses, "Measuring.");
@@ -132,7 +132,7 @@ fn work(running: &mut Running, readings: &Measurements, rows: std::ops::Range<us
             running.save();
         }
         running.measure(&pose);
-        // The edit before was handed over before the pose.
+        // The previous edit was handed to the autosave before the pose.
         if row % 2 == 1 && row > 1 {
             tell("excluded", readings.labels[row - 1]);
         }
@@ -170,7 +170,7 @@ fn a_session_that_is_measured_edited_and_saved() {
     assert_eq!(saved.value.excluded().len(), 5);
 }
 
-/// What the program reported before it was killed.
+/// Reports of the program before it was killed.
 #[derive(Debug, Default)]
 struct Told {
     measured: Vec<i64>,

@@ -71,7 +71,7 @@ impl Bench {
         Self { harness, folder }
     }
 
-    /// Where preferences and unsaved sessions are.
+    /// Folders of preferences and unsaved sessions.
     pub fn folders(folder: &tempfile::TempDir) -> Folders {
         Folders::below(&folder.path().join("user"))
     }
@@ -98,7 +98,7 @@ impl Bench {
         self.harness.step();
     }
 
-    /// Presses what has this name.
+    /// Presses the element with this name.
     pub fn press(&mut self, name: &str) {
         self.harness.step();
         let found = self.harness.query_by_label(name);
@@ -109,7 +109,7 @@ impl Bench {
         self.harness.step();
     }
 
-    /// Lets the workbench run until its state is as wanted.
+    /// Lets the workbench run until its state meets a condition.
     pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
         wait(&mut self.harness, what, reached);
     }

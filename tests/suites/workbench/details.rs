@@ -53,7 +53,7 @@ fn a_plan_that_is_partly_measured_is_not_done() {
     assert_eq!(status.line, "3 of 25 poses measured");
 }
 
-/// Where all buttons are.
+/// Names and rectangles of all buttons.
 fn buttons(harness: &Harness<'_, App>) -> Vec<(String, egui::Rect)> {
     let nodes = harness.root().children_recursive();
     let buttons = nodes.filter(|node| node.accesskit_node().role() == egui::Role::Button);
@@ -141,13 +141,13 @@ fn cables_with_letters_have_them_everywhere_and_no_laser_is_spoken_of_where_ther
     for words in ["target plane", "Target plane", "laser", "cable-1"] {
         assert!(!is_said(&harness, words), "{words}");
     }
-    // Where the camera saw the platform is plotted like any other reading.
+    // The tracked position of the platform is plotted like any other reading.
     if harness.query_by_label("Tracker").is_none() {
         press(&mut harness, "More plots");
     }
     press(&mut harness, "Tracker");
     harness.get_by_label("Plot: Tracker");
-    // A robot that nobody tracks has nothing to show there: its residuals are seen instead, and the plot comes back.
+    // A robot without a tracker has no such plot: its residuals are shown instead, and the plot returns later.
     open(&mut harness, session_of("mini", 12), true);
     harness.get_by_label("Plot: Residuals");
     assert!(harness.query_by_label("Plot: Tracker").is_none());

@@ -140,7 +140,7 @@ fn every_part_is_maximised_and_restored() {
         settle(&mut harness);
         assert_eq!(harness.state().state.model.maximised, part, "{key:?}");
     }
-    // What has to be seen is not hidden by what is maximised.
+    // A maximised part does not hide a part that has to be seen.
     give(&mut harness, ViewCommand::Maximise(Some(Part::Panel)));
     give(&mut harness, ViewCommand::Inspect(Some(2)));
     assert_eq!(harness.state().state.model.maximised, None);

@@ -153,7 +153,7 @@ fn what_is_picked_is_what_is_drawn() {
     }
 }
 
-/// Where a cable is picked its colour is drawn; gives the number of cables that were.
+/// Checks that pixels at which a cable is picked have its colour; returns the number of cables found.
 fn check_cables(picture: &Picture<'_>, image: &RgbaImage, theme: Theme) -> usize {
     let palette = theme::palette(theme);
     let mut found = std::collections::BTreeSet::new();

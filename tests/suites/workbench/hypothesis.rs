@@ -47,7 +47,7 @@ fn hidden(folder: &std::path::Path) -> Harness<'static, App> {
     harness
 }
 
-/// Types a text into the editor instead of what is there.
+/// Replaces the text of the editor.
 fn type_text(harness: &mut Harness<'_, App>, text: &str) {
     harness
         .get_by_role_and_label(Role::MultilineTextInput, TEXT)
@@ -61,7 +61,7 @@ fn type_text(harness: &mut Harness<'_, App>, text: &str) {
     harness.step();
     harness.step();
     settle(harness);
-    // What it does to the residuals is computed after the text was taken.
+    // Its effect on the residuals is computed after the text was accepted.
     settle(harness);
 }
 

@@ -43,7 +43,7 @@ pub fn example(name: &str) -> String {
     std::fs::read_to_string(path.join(name)).expect("an example")
 }
 
-/// The recording of the examples with names and units that say nothing of the winches.
+/// The recording of the examples with names and units that do not identify the winches.
 fn silent_scope() -> String {
     let text = example("scope.csv").replace("Unit\trev", "Unit\t");
     (1..=8).fold(text, |text, k| {
@@ -59,7 +59,7 @@ fn import(bench: &Bench) -> &OpenImport {
     model(bench).importing.open.as_ref().expect("an import")
 }
 
-/// What a channel of the first series is used as.
+/// Use of a channel of the first series.
 fn used<'b>(bench: &'b Bench, channel: &str) -> Option<&'b str> {
     let uses = &import(bench).uses;
     uses.get(&(0, channel.to_owned())).map(String::as_str)
@@ -72,7 +72,7 @@ fn poses(bench: &Bench) -> usize {
         .map_or(0, |done| done.measurements.len())
 }
 
-/// Chooses in a list: the name of the list with what it shows now, and what is chosen.
+/// Chooses an entry in a list, which is named by its title and present entry.
 fn choose(bench: &mut Bench, list: &str, entry: &str) {
     bench
         .harness
@@ -113,7 +113,7 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     bench.undo();
     assert!(!import(&bench).draft.recipe().first_pose_is_home);
     bench.undo();
-    // What is sampled this fast is in motion until somebody says that its rests are poses.
+    // A recording with this rate counts as motion until the user chooses its standstills as poses.
     assert_eq!(import(&bench).draft.recipe().cutting, Cutting::Motion);
     bench.undo();
     assert_eq!(used(&bench, "Slot[3]"), None);

@@ -1,4 +1,4 @@
-//! What disconnects an armed controller asks first.
+//! Actions that disconnect an armed controller ask first.
 
 use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::{Command, FileCommand, RobotCommand};

@@ -1,4 +1,4 @@
-//! What is seen while the robot moves, and what is kept of it.
+//! Display while the robot moves, and warnings that are kept.
 
 use egui_kittest::kittest::Queryable;
 use tautline_core::effect::EffectSetting;

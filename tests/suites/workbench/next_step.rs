@@ -15,10 +15,10 @@ use crate::measured::{Measured, give};
 const SEED: u64 = 3;
 /// Clicks from the start to the robot that is accepted.
 const MOST_CLICKS: usize = 15;
-/// What the demonstration may take at its usual speed, besides reading and computing (s).
+/// Maximum time of the demonstration at its usual speed, without reading and computing (s).
 const MOST_S: f64 = 240.0;
 
-/// Clicks with the pointer where something is, and counts.
+/// Clicks elements with the pointer, and counts the clicks.
 struct Operator {
     bench: Bench,
     clicks: usize,
@@ -36,7 +36,7 @@ fn find<'a>(harness: &'a Harness<'_, App>, beginning: &'a str) -> Option<Node<'a
 }
 
 impl Operator {
-    /// Clicks on what has a name that begins like this; it has to be seen without scrolling.
+    /// Clicks the element whose name begins like this; it has to be visible without scrolling.
     fn click(&mut self, beginning: &str) {
         for _ in 0..3 {
             self.bench.harness.step();
@@ -75,7 +75,7 @@ impl Operator {
     }
 }
 
-/// How many readings are averaged depends on the time of the machine, so that the noise is another each time: in one run of a
+/// The number of averaged readings depends on the speed of the machine, so the noise differs in each run: in one run of a
 /// hundred the fit of a correct model is doubtful, and a second diagnosis comes before the adjustment.
 #[test]
 fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
@@ -137,7 +137,7 @@ fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
     assert!(waited_s < MOST_S, "{waited_s} s at the usual speed");
 }
 
-/// Presses keys, types, and never has a pointer.
+/// An operator with a keyboard only.
 struct Typist {
     bench: Bench,
 }
@@ -154,7 +154,7 @@ impl Typist {
         self.bench.harness.step();
     }
 
-    /// Takes the next step, which has to be this one.
+    /// Takes the next step, which has to have this title.
     fn next(&mut self, title: &str) {
         self.bench.harness.step();
         let name = format!("Next: {title}");
@@ -172,7 +172,7 @@ impl Typist {
     }
 }
 
-/// What the button of the next step says; empty without one.
+/// Label of the button of the next step; empty without one.
 fn next_label(bench: &Bench) -> String {
     let node = find(&bench.harness, "Next: ");
     node.and_then(|node| node.accesskit_node().label())
@@ -236,7 +236,7 @@ fn keys_alone_lead_to_an_accepted_robot() {
         });
     typist.verify("Measure before", 1);
     typist.next("Write ");
-    // Behind a question the next step waits.
+    // The next step is disabled behind a question.
     typist.key(Modifiers::COMMAND, Key::Enter);
     typist.write("Ada");
     typist.key(Modifiers::NONE, Key::Enter);

@@ -96,7 +96,7 @@ fn every_plot_of_an_identification_is_drawn() {
 fn a_click_on_a_residual_selects_its_cable_and_pose() {
     let mut harness = identified();
     let plot = harness.get_by_label("Plot: Residuals").rect();
-    // Residuals lie around zero, in the middle: some point is hit on the way along it.
+    // Residuals lie about zero, in the middle: a search along it hits a point.
     let mut place = Pos2::new(plot.min.x + 30.0, plot.center().y);
     while harness.state().state.model.selection.is_empty() && place.x < plot.max.x {
         harness.hover_at(place);

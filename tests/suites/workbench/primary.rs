@@ -54,7 +54,7 @@ fn repaired(harness: &Harness<'_, App>) -> Vec<EffectSetting> {
     }
 }
 
-/// Presses the primary button of phase 4 until it leads to another phase or series; gives what it said.
+/// Presses the primary button of phase 4 until it leads to another phase or series; returns its labels.
 fn press_on(harness: &mut Harness<'_, App>) -> Vec<String> {
     give(
         harness,
@@ -88,8 +88,7 @@ fn causes(effects: &[EffectSetting], cables: usize) -> BTreeSet<String> {
     causes
 }
 
-/// What is wrong with the model at the end, `None` if it explains the readings with these causes alone, or will without what
-/// has to be repaired.
+/// Fault of the model at the end; `None` if it explains the readings with these causes alone, or will after the repair.
 fn wrong(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> Option<String> {
     let open = document(harness);
     let model = &open.session().settings.identification.effects;
@@ -143,7 +142,7 @@ fn alone_it_leads_from_an_error_without_a_name_to_a_pattern() {
     assert_eq!(primary(&harness), "Go to adjustment", "{pressed:?}");
 }
 
-/// A demonstration whose poses are measured, and what is hidden in it.
+/// A demonstration whose poses are measured, and its hidden effects.
 fn measured_demo(seed: u64) -> (Session, Vec<EffectSetting>) {
     let mut session = demo(seed, Timestamp::from_unix_seconds(0)).expect("a session");
     let truth = &session.simulator.as_ref().expect("a virtual robot").truth;
@@ -162,7 +161,7 @@ fn measured_demo(seed: u64) -> (Session, Vec<EffectSetting>) {
     (session, hidden)
 }
 
-/// Whether the true cause is one of several whose deciding poses are in the plan now.
+/// Whether the true cause is one of several alternatives, and the poses that separate them are planned.
 fn is_listed(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> bool {
     let diagnosed = document(harness).diagnosis().expect("a diagnosis");
     let is_true = |cause: &Cause| cause.effect().id() == truth[0].effect;
@@ -171,7 +170,7 @@ fn is_listed(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> bool {
     is_planned && findings.any(|finding| finding.causes().any(is_true))
 }
 
-/// One may need the poses that tell its cause from another.
+/// One demonstration may need the poses that separate its cause from another.
 #[test]
 fn alone_it_leads_from_demonstrations_to_the_true_cause() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -263,7 +262,7 @@ fn every_state_has_one() {
     let lasting = "Add to model: Winch scale (cable-3)";
     assert_eq!(primary(&harness), lasting);
     press(&mut harness, lasting);
-    // The diagnosis goes on to propose the other one, which does not last.
+    // The diagnosis still proposes the other one, which happened only once.
     harness.get_by_label("In the model");
     assert_eq!(primary(&harness), "Repaired: measure again");
     assert_eq!(repaired(&harness)[0].effect, "cable_slip");

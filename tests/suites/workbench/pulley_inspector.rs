@@ -1,4 +1,4 @@
-//! The pulley inspector: how one comes to it, what it says, and what it shows down to the pixel.
+//! The pulley inspector: ways to open it, its texts, and its pixels.
 
 use egui::{Key, Rect, Role, ThemePreference};
 use egui_kittest::Harness;
@@ -119,7 +119,7 @@ fn keys_and_buttons_go_through_the_pulleys_and_home_shows_all() {
     assert!(height(&harness) > 3.0 * close);
     press(&mut harness, "Show the pulley (F)");
     assert!((height(&harness) / close - 1.0).abs() < 0.05);
-    // A selection elsewhere leads the inspector there.
+    // The inspector follows a selection elsewhere.
     give(&mut harness, ViewCommand::Select(Selection::cable(2)));
     harness.get_by_label("Pulley of cable-3");
     // Another session has other pulleys.

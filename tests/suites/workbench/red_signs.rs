@@ -24,7 +24,7 @@ use crate::support::workbench;
 /// Poses that are planned where none are.
 const POSES: usize = 25;
 
-/// How many red signs the screen shows.
+/// Number of red signs on the screen.
 fn red_signs(harness: &Harness<'_, App>) -> usize {
     harness.query_all_by_label("Problem:").count()
 }
@@ -35,7 +35,7 @@ fn primary(harness: &Harness<'_, App>, phase: Phase) -> String {
     step.action.map_or_else(String::new, |action| action.title)
 }
 
-/// Where the screen shows a red sign, the primary button is the remedy of the first.
+/// Checks that the primary button is the remedy of the first red sign on the screen, if there is one.
 pub fn is_the_remedy(harness: &Harness<'_, App>, phase: Phase) {
     let signs = next_step::signs(&harness.state().state.model, phase);
     let Some(first) = signs.first() else {
@@ -60,7 +60,7 @@ fn parts(phase: Phase) -> &'static [(Role, &'static str)] {
     }
 }
 
-/// Looks at all phases with all their parts; gives the number of red signs that were seen.
+/// Shows all phases with all their parts; returns the number of red signs.
 fn look_at_all(harness: &mut Harness<'_, App>) -> usize {
     let mut seen = 0;
     for phase in Phase::ALL {
@@ -109,7 +109,7 @@ fn written(outcome: Outcome) -> Adjustment {
     }
 }
 
-/// Sessions in which something is wrong: a phase that says so, and its primary button.
+/// Sessions with a problem, the phase that reports it, and its primary button.
 fn wrong_sessions() -> Vec<(&'static str, Session, Phase, &'static str)> {
     let change = |mut session: Session, change: &dyn Fn(&mut Session)| {
         change(&mut session);

@@ -91,7 +91,8 @@ fn the_dialog_brings_up_to_date_what_the_report_would_say_of_an_earlier_model() 
     harness.get_by_label("Save report");
 }
 
-/// What the certificate states is typed once: the session keeps it, the workshop its instruments, and the digital certificate has it.
+/// The details of a certificate are typed once: the session keeps them, the preferences keep the instruments, and the digital
+/// certificate contains them.
 #[test]
 fn a_certificate_is_filled_in_by_hand_and_its_instruments_are_kept_for_the_next_session() {
     let measured = Measured::mini(25, &[]);
@@ -132,7 +133,7 @@ fn a_certificate_is_filled_in_by_hand_and_its_instruments_are_kept_for_the_next_
         (kept.number.as_str(), kept.instruments.len()),
         ("2026-017", 1)
     );
-    // Another session chooses among the instruments; until it has, the overdue one is said before measuring.
+    // Another session chooses among the instruments; until then, the overdue one is reported before measuring.
     give(&mut harness, FileCommand::Open(measured.beside("mini")));
     give(&mut harness, FileCommand::Answer(Answer::Discard));
     let measuring = Screen::Phase(Phase::Measuring);

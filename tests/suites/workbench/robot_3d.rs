@@ -50,7 +50,7 @@ pub fn open(harness: &mut Harness<'_, App>, session: Session, is_identified: boo
     settle(harness);
 }
 
-/// Where a point of the base frame is in the window.
+/// Position of a point of the base frame in the window.
 pub fn in_window(harness: &Harness<'_, App>, point: &Vec3) -> Pos2 {
     let rect = harness.get_by_label("3D view").rect();
     let view = &harness.state().state.views.robot_3d;
@@ -64,7 +64,7 @@ pub fn in_window(harness: &Harness<'_, App>, point: &Vec3) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
-/// Where the centre of a pulley is drawn, its displacement magnified (m).
+/// Drawn centre of a pulley, with its magnified displacement (m).
 pub fn drawn(harness: &Harness<'_, App>, cable: usize) -> Vec3 {
     let view = &harness.state().state.views.robot_3d;
     let scene = view.scene().expect("a scene");
@@ -80,7 +80,7 @@ fn click(harness: &mut Harness<'_, App>, at: Pos2) {
     harness.run_ok();
 }
 
-/// Where the camera is.
+/// The present camera.
 pub fn camera(harness: &Harness<'_, App>) -> Camera {
     let view = &harness.state().state.views.robot_3d;
     *view.camera().expect("it is there")

@@ -38,7 +38,7 @@ fn is_open(bench: &Bench) -> bool {
     field.is_some()
 }
 
-/// Whether the dialog that is open says why a file was not written.
+/// Whether the open dialog states why a file was not written.
 fn says(bench: &Bench, path: &Path) -> bool {
     let text = format!("{}: cannot be written", path.display());
     let mut found = bench.harness.query_all_by_label_contains(&text);
@@ -70,7 +70,7 @@ fn a_dialog_stays_open_with_the_reason_until_its_file_is_written() {
     ];
     for (open, name, button) in dialogs {
         bench.give(open);
-        // A relative path is shown as the whole one that it means.
+        // A relative path is shown as the absolute one.
         let nowhere = Path::new("no such folder").join(name);
         save(&mut bench, &nowhere.display().to_string(), button);
         let whole = std::env::current_dir().expect("a folder").join(nowhere);
@@ -202,7 +202,7 @@ fn every_file_is_chosen_without_dialogs_of_the_desktop() {
         assert!(Path::new(&path).starts_with(bench.folder.path()), "{path}");
         bench.press("Cancel");
     }
-    // Nobody else asks the desktop.
+    // No other code opens a dialog of the desktop.
     let commands = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/workbench/commands");
     for entry in fs::read_dir(commands).expect("a folder").flatten() {
         let text = fs::read_to_string(entry.path()).unwrap_or_default();

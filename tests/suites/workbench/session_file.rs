@@ -1,4 +1,4 @@
-//! The window and the commands on the same session file: none writes over what the other did.
+//! The window and the commands on the same session file: neither overwrites changes of the other.
 
 use std::path::{Path, PathBuf};
 
@@ -78,7 +78,7 @@ fn command(bench: &Bench) -> Answer {
     ])
 }
 
-/// What a command writes.
+/// Changes the file as a command would.
 fn changed_by_a_command(path: &Path) {
     let mut session = read_session(path).expect("a session").value;
     session.name = "as the command wrote it".into();
@@ -109,7 +109,7 @@ fn commands_wait_while_the_window_has_unsaved_changes() {
     rename(&mut bench, "again");
     save(&mut bench);
     assert_eq!(saved(&bench).name, "again");
-    // What nobody wants to keep does not keep others away.
+    // A session whose changes are discarded does not lock out others.
     rename(&mut bench, "for nothing");
     bench.give(FileCommand::Close);
     question(&mut bench);
@@ -219,7 +219,7 @@ fn a_session_that_is_open_in_another_window_is_looked_at_or_taken_over() {
         (first.session().name.as_str(), told(&first, refused)),
         ("first", 2)
     );
-    // What was left is free again.
+    // The file of a closed session is unlocked.
     second.give(FileCommand::Close);
     second.harness.step();
     first.give(FileCommand::Open(file));
@@ -256,7 +256,7 @@ fn saving_seals_the_audit_trail_and_opening_says_what_is_wrong_in_it() {
     assert_eq!(bench.session(), &kept);
     let open = bench.state().model.open.as_ref();
     assert!(open.is_some_and(|open| !open.is_unsaved()));
-    // What another program changes is said when the session is opened.
+    // Changes by another program are reported when the session is opened.
     let text = std::fs::read_to_string(path(&bench)).expect("a session");
     let other = bench.folder.path().join("other.json");
     std::fs::write(&other, text.replace("Looked at.", "Nothing.")).expect("written");
@@ -316,7 +316,7 @@ fn a_recovered_run_goes_on_where_it_was_interrupted() {
         bench.wait("what is left", |state| {
             !state.model.unsaved_sessions.is_empty()
         });
-        // Nothing comes before what can be recovered.
+        // The first next step is the recovery of the session.
         bench
             .harness
             .key_press_modifiers(Modifiers::COMMAND, Key::Enter);

@@ -20,8 +20,8 @@ use tautline_workflow::wording::units::signed;
 use crate::measured::{Measured, document, give, press};
 use crate::support::{settle, type_into};
 
-/// How far two fits of the same model may be from each other (standard deviations): they end where the next step gains
-/// nothing worth taking.
+/// Largest difference between two fits of the same model (standard deviations): each ends where the next step would gain
+/// almost nothing.
 const SAME: f64 = 1e-3;
 
 #[test]
@@ -109,7 +109,7 @@ fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
     }
 }
 
-/// What a plot shows, as it is saved: name of the series, pose and value.
+/// Content of a plot as it is saved: name of the series, pose and value.
 fn saved(harness: &mut Harness<'_, App>, tab: &str, measured: &Measured) -> Vec<Shown> {
     if harness.query_by_role_and_label(Role::Button, tab).is_none() {
         press(harness, "More plots");
@@ -149,7 +149,7 @@ fn saved(harness: &mut Harness<'_, App>, tab: &str, measured: &Measured) -> Vec<
 
 type Shown = (String, i64, f64);
 
-/// Nothing but the words and numbers of a page, apart by bars.
+/// The words and numbers of a page, separated by bars.
 fn plain(html: &str) -> String {
     let mut text = String::new();
     for part in html.split('<') {

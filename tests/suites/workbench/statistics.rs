@@ -21,7 +21,7 @@ fn opened() -> Harness<'static, App> {
     harness
 }
 
-/// What is copied: one line for each row, below the headings.
+/// The copied table: one line for each row, below the headings.
 fn copied(harness: &mut Harness<'_, App>) -> Vec<Vec<String>> {
     harness.get_by_label("Copy table").click();
     harness.step();

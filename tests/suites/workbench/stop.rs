@@ -1,4 +1,4 @@
-//! Stop: one button at one place with a key of its own, above every dialog, and what is seen afterwards; the live scope
+//! Stop: one button at one place with a key of its own, above every dialog, and the screen afterwards; the live scope
 //! before.
 
 use std::collections::BTreeSet;
@@ -30,7 +30,7 @@ fn step(bench: &mut Bench) {
     }
 }
 
-/// Where the button is, and whether it can be pressed.
+/// Rectangle of the button, and whether it is enabled.
 fn button(bench: &mut Bench) -> (Rect, bool) {
     step(bench);
     let node = bench.harness.get_by_label("Stop the robot");
@@ -110,7 +110,7 @@ struct Dialog {
     open: fn(&mut Bench),
     /// Something that it shows.
     shows: &'static str,
-    /// A field that is typed into.
+    /// A text field.
     field: Option<&'static str>,
 }
 
@@ -232,7 +232,7 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
     }
 }
 
-/// What keys could change.
+/// The state that keys could change behind a dialog.
 fn behind(state: &State) -> String {
     let model = &state.model;
     let open = model.open.as_ref().expect("a session");
@@ -284,7 +284,7 @@ fn nothing_but_stop_acts_behind_a_dialog() {
     for dialog in &DIALOGS {
         (dialog.open)(&mut bench);
         let dialogs = &mut bench.harness.state_mut().state.model.dialogs;
-        // Not typed, so that it is not undone in its field.
+        // Set rather than typed, so that undo does not apply to the field.
         if let Some(text) = &mut dialogs.palette {
             "no such thing".clone_into(text);
         }

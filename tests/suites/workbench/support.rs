@@ -13,8 +13,8 @@ use tautline_workbench::shell::App;
 
 static STARTED: AtomicUsize = AtomicUsize::new(0);
 
-/// How a workbench of a test starts: with a folder of its own, so that nobody's preferences are touched, where the sample
-/// sessions are.
+/// Start options of a workbench in tests: a folder of its own, so that the user's preferences are not touched, in the
+/// repository with the sample sessions.
 pub fn options() -> Options {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     std::env::set_current_dir(repository).expect("the repository is there");
@@ -24,7 +24,7 @@ pub fn options() -> Options {
     Options {
         folders: Some(Folders::below(&folder)),
         demo_seed: Some(3),
-        // A diagnosis that ends early has another result; tests run beside each other.
+        // A diagnosis that ends early has another result, and tests run at the same time.
         diagnosis_limit_s: Some(600.0),
         ..Options::default()
     }
@@ -38,7 +38,7 @@ pub fn workbench() -> Harness<'static, App> {
         .build_eframe(|creation| App::new(creation, options()))
 }
 
-/// Types into the field of this role and name instead of what is there.
+/// Replaces the text of the field of this role and name.
 pub fn type_into(harness: &mut Harness<'_, App>, role: Role, name: &str, text: &str) {
     harness.get_by_role_and_label(role, name).focus();
     harness.step();

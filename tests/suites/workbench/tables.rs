@@ -1,4 +1,4 @@
-//! What tests of phases 1 and 2 do.
+//! Actions of the tests of phases 1 and 2.
 
 use std::path::{Path, PathBuf};
 
@@ -84,7 +84,7 @@ impl Bench {
         self.press("Import");
     }
 
-    /// Whether something of this name, or with it in its name, is shown.
+    /// Whether an element whose name contains this text is shown.
     pub fn shows(&self, text: &str) -> bool {
         self.harness
             .query_all_by_label_contains(text)
@@ -104,7 +104,7 @@ impl Bench {
         document.expect("a session is open").session()
     }
 
-    /// Name of what undo would undo.
+    /// Name of the edit that undo would revert.
     pub fn next_undo(&self) -> Option<&str> {
         let document = self.harness.state().state.model.open.as_ref();
         document.expect("a session is open").history().next_undo()

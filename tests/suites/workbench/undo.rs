@@ -20,7 +20,7 @@ const REDO: Modifiers = Modifiers {
 /// Kinds of edits.
 const KINDS: usize = 15;
 
-/// What a pattern of unexplained errors becomes in the model.
+/// Hypothesis into which a pattern of unexplained errors is turned.
 const PATTERN: &str = r#"
 id = "pattern"
 title = "Pattern"
@@ -57,7 +57,7 @@ fn kind(edit: &Edit) -> usize {
     }
 }
 
-/// One of each kind; each changes what the ones before have left.
+/// One edit of each kind; each changes the state left by the previous ones.
 fn edits(harness: &Harness<'_, App>) -> Vec<Edit> {
     let effect = || EffectSetting {
         effect: "winch_scale".into(),
@@ -160,7 +160,7 @@ fn every_edit_is_undone_and_redone_by_keys_and_menu() {
             "{name}: what was measured stays"
         );
     }
-    // With nothing to do again the keys do not undo instead.
+    // Without an edit to redo, the keys do not undo instead.
     let last = now(&harness);
     keys(&mut harness, REDO);
     assert_eq!(now(&harness), last);

@@ -1,4 +1,4 @@
-//! The window beside a controller that misbehaves: it tells the same sentences as the commands, and is as careful.
+//! The window with a controller that misbehaves: it has the same messages as the commands, and the same precautions.
 
 use std::time::Instant;
 
@@ -7,7 +7,7 @@ use tautline_core::robot::presets;
 use tautline_link::adjusting::{Adjustment as Attempt, ControllerValues};
 use tautline_session::{AdsPlace, ControllerKind, Outcome, PlannedPose, Session, Timestamp};
 use tautline_validation::support::ads::symbols::global;
-use tautline_validation::support::ads::unruly::{Action, Kind, Unruly};
+use tautline_validation::support::ads::unruly::{Action, RequestKind, Unruly};
 use tautline_validation::support::ads::{Host, Plant};
 use tautline_workbench::model::command::{Answer, FileCommand, RobotCommand};
 use tautline_workbench::model::link::LinkRequest;
@@ -74,7 +74,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
         .collect();
     plant
         .server
-        .fault(Kind::Write, 1, Action::DownAfterValues(1));
+        .fault(RequestKind::Write, 1, Action::DownAfterValues(1));
     bench.give(RobotCommand::WriteValues(new.clone(), Purpose::Adjust));
     // The record is there before the first value.
     let begun = bench
@@ -173,7 +173,7 @@ fn an_overload_waits_for_the_operator_each_time() {
         paused(state).is_some_and(|why| why.contains(overload))
     });
     assert!(measured(bench.state()) < 3);
-    // The operator goes on; what gets worse stops it again.
+    // The operator continues; a larger overload stops the run again.
     bench.give(LinkRequest::Resume);
     bench.wait("going on", |state| paused(state).is_none());
     plant.show_force(Some((2, 600.0)));
@@ -253,11 +253,11 @@ fn readings_that_are_sent_reach_the_scope() {
     plant.server.run_clock(&global("time"), Instant::now());
     let mut bench = connected(&plant);
     let readings = |state: &State| state.model.link.scope(Scope::readings).unwrap_or(0);
-    let asked = plant.server.count(Kind::Read);
+    let asked = plant.server.count(RequestKind::Read);
     let shown = readings(bench.state());
     bench.wait("readings", |state| readings(state) >= shown + 100);
     // Far more are shown than were asked for.
-    let asked = plant.server.count(Kind::Read) - asked;
+    let asked = plant.server.count(RequestKind::Read) - asked;
     assert!(asked < 50, "{asked} requests");
     bench.give(LinkRequest::Disconnect);
     bench.give(FileCommand::Answer(Answer::Discard));

@@ -66,13 +66,13 @@ fn shows(bench: &Bench, part: &str) -> bool {
     labels > 0 || words(&bench.harness).iter().any(|text| text.contains(part))
 }
 
-/// Every pose of the session was decided on by those before, as by the command; the last decision.
+/// Checks that every pose of the session was decided on by those before, as by the command; returns the last decision.
 fn last_step(bench: &Bench) -> NextStep {
     let session = bench.session();
     check_decisions(session, &UntilRequest::of_session(session)).step
 }
 
-/// The first poses of a session are those that were kept.
+/// Checks that the first poses of a session are the kept ones.
 fn check_kept(session: &Session, kept: &Measurements) {
     let rows: Vec<usize> = (0..kept.len()).collect();
     let first = session.measurements.select(&rows);
@@ -138,7 +138,7 @@ fn goals_are_chosen_and_the_run_ends_when_they_are_reached() {
     let ended = format!("Measured {poses} poses and the home pose, all goals reached.");
     assert_eq!(log.last(), Some(&ended.as_str()));
     assert!(shows(&bench, "Next: Identify the pulleys"));
-    // What the run has planned is no edit.
+    // Poses planned by the run are not edits.
     bench.give(Command::Undo);
     assert_eq!(bench.session().plan.len(), poses + 1);
 }
@@ -210,7 +210,7 @@ fn what_a_killed_window_leaves_goes_on_with_the_same_decisions() {
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("a decision", |state| measured(state) >= 11);
-    // What is on disk at this moment.
+    // Copy of the files on disk at this moment.
     let disk = tempfile::tempdir().expect("a folder");
     copy(&bench.state().model.folders.recovery(), disk.path());
     let left = find_unsaved_sessions(disk.path()).expect("readable");
@@ -227,7 +227,7 @@ fn what_a_killed_window_leaves_goes_on_with_the_same_decisions() {
     assert!(matches!(last_step(&bench), NextStep::Reached));
 }
 
-/// Copies what is in a folder.
+/// Copies the content of a folder.
 fn copy(from: &Path, to: &Path) {
     for entry in std::fs::read_dir(from).expect("a folder") {
         let entry = entry.expect("an entry");

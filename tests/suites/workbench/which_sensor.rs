@@ -76,7 +76,7 @@ fn a_question_becomes_a_study_that_can_be_cancelled() {
         "{}",
         said(&harness)
     );
-    // The file of the study is there and says what the sliders do.
+    // The file of the study exists and has the values of the sliders.
     let text = std::fs::read_to_string(folder.join("study.toml")).unwrap();
     assert!(text.contains("poses = [12, 25, 100]"), "{text}");
 }

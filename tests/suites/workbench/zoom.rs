@@ -1,4 +1,4 @@
-//! The wheel of the mouse: the eye comes close to things and never passes through them.
+//! The mouse wheel: the camera approaches parts and never passes through them.
 
 use egui::Theme;
 use rand::{RngExt, SeedableRng};
@@ -12,7 +12,7 @@ use tautline_workbench::views::robot_3d::drawing::{Drawing, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::{Scene, Subject, Wheel};
 
-/// A solid part, as a shape of its own and not as what is drawn.
+/// Shape of a solid part, independent of the drawing.
 enum Solid {
     /// Axes, with half the sides, about a centre.
     Cuboid(Vec3, [Vec3; 3], Vec3),
@@ -21,7 +21,7 @@ enum Solid {
 }
 
 impl Solid {
-    /// Whether a point is inside, by more than a rounding to single precision.
+    /// Whether a point is inside by more than the rounding to single precision.
     fn holds(&self, p: &Vec3) -> bool {
         const SKIN: f64 = 1e-5;
         match self {

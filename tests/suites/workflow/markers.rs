@@ -1,4 +1,4 @@
-//! From markers that cameras see to pulleys: what nobody has measured is found, and estimated to its standard deviation.
+//! From markers seen by cameras to pulleys: unmeasured frames are found, and estimated within their standard deviations.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::Value;
@@ -50,7 +50,7 @@ impl Estimated<'_> {
         ["value", "sd"].map(|key| own[key].as_f64().expect("a number"))
     }
 
-    /// Whether three parameters of an effect are what they should be, within their standard deviations.
+    /// Asserts that three parameters of an effect have the expected values within their standard deviations.
     fn check(&self, effect: &str, names: [&str; 3], expected: Vector3<f64>) {
         for (name, expected) in names.into_iter().zip(expected.iter()) {
             let [value, sd] = self.of(effect, name);
@@ -63,7 +63,7 @@ impl Estimated<'_> {
     }
 }
 
-/// Half of it is Rodrigues' parameters.
+/// Twice the Rodrigues parameters.
 fn turn(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     rotation.imag() * (2.0 / rotation.w)
 }
@@ -91,7 +91,7 @@ fn unknown_frames_and_markers_are_estimated_with_the_pulleys() {
             .for_each(|effect| arguments.extend(["--effect", effect]));
         let answer = tautline(&arguments).succeeded().json();
 
-        // The frame that was found, seen from the true one: what the effect has to say.
+        // The frame that was found, relative to the true one: the expected value of the effect.
         let [frame, body] = found;
         let truth = cameras_see_robot();
         let rotation = frame.orientation * truth.orientation;
@@ -103,7 +103,7 @@ fn unknown_frames_and_markers_are_estimated_with_the_pulleys() {
             ["turn_x", "turn_y", "turn_z"],
             turn(&rotation),
         );
-        // Poses were brought to the platform's origin by a body that is tilted by what its effect says.
+        // Poses were transformed to the platform's origin by a body whose tilt is that of the effect.
         let tilt = ["tilt_x", "tilt_y", "tilt_z"].map(|name| estimated.of("tracker_tilt", name)[0]);
         let tilt = Quaternion::from_parts(1.0, Vector3::from(tilt) * 0.5);
         let point = UnitQuaternion::from_quaternion(tilt) * body.position;

@@ -25,7 +25,7 @@ struct Case {
     effect: EffectSetting,
     /// The effect as the command line names it.
     argument: String,
-    /// What was drawn, for messages.
+    /// Description of the drawn case, for messages.
     name: String,
 }
 

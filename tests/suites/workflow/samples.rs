@@ -1,4 +1,4 @@
-//! The sample sessions are what their recipes make, and what their READMEs say is so.
+//! The sample sessions equal the output of their recipes, and the statements of their READMEs are true.
 
 use std::collections::BTreeSet;
 use std::fs;

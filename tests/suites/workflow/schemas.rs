@@ -1,4 +1,4 @@
-//! The published JSON Schemas accept what the readers accept and refuse what has another shape.
+//! The published JSON Schemas accept the documents that the readers accept, and refuse those of another structure.
 
 use jsonschema::Validator;
 use serde_json::{Value, json};

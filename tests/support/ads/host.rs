@@ -1,4 +1,4 @@
-//! What a server offers to the controller's program behind it.
+//! Interface of a server for the controller's program behind it.
 
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -31,10 +31,10 @@ impl Orders {
 
 /// A server of symbols.
 pub trait Host {
-    /// Where clients connect to.
+    /// Address for clients.
     fn address(&self) -> AdsAddress;
 
-    /// The word of the command line for it.
+    /// Value of `--controller` for this server.
     fn choice(&self) -> String {
         format!("ads:{}", self.address())
     }
@@ -55,7 +55,7 @@ pub trait Host {
     /// Sends orders without waiting for them.
     fn orders(&self) -> Orders;
 
-    /// What clients write. It can be taken once.
+    /// Receiver of the values that clients write. It can be taken once.
     fn wrote(&self) -> Receiver<Written>;
 
     /// Gives an order and waits until it is carried out.

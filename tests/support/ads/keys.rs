@@ -26,7 +26,7 @@ impl TestKeys {
         keys
     }
 
-    /// What the client brings along, with a password.
+    /// Credentials of the client with a password.
     #[must_use]
     pub fn with_password(self, password: &str) -> Credentials {
         Credentials {

@@ -20,7 +20,7 @@ use tautline_link::{Activity, Controller, GuardedController, Limits, ManualClock
 
 use super::host::{Host, Orders, Written};
 use super::server::{Protocol, Server};
-use super::symbols::{Place, Style, TURNS, declarations, global, mapping, places};
+use super::symbols::{ParameterElement, Style, TURNS, declarations, global, mapping, places};
 use super::unruly::Unruly;
 
 /// Simulated time of a sample (s).
@@ -31,7 +31,7 @@ const WATCHDOG: Duration = Duration::from_secs(3);
 /// Simulated time of a sample where the program is the client: it samples at the rate of a real robot.
 const LONG_STEP_S: f64 = 0.25;
 
-/// What the controller shows of its robot that the robot does not know.
+/// Differences between the values that the controller shows and those of its robot.
 #[derive(Debug, Clone, Default)]
 struct Shown {
     /// Added to all encoders until it is homed.
@@ -146,7 +146,7 @@ impl Plant<Unruly> {
 
     fn change(&self, change: impl FnOnce(&mut Shown)) {
         change(&mut self.shown.lock().unwrap_or_else(PoisonError::into_inner));
-        // The program shows it at the next thing that is written.
+        // The program shows it after the next write.
         self.server.write_as_another(&global("shown"), &[0.0]);
         std::thread::sleep(Duration::from_millis(60));
     }
@@ -182,7 +182,7 @@ impl<H: Host> Plant<H> {
             counted: Instant::now(),
         };
         program.show();
-        // Orders are carried out in turn: what is shown is there after this.
+        // Orders are carried out in turn: after this one, the values are shown.
         server.carry_out(json!({}));
         let (wrote, end) = (server.wrote(), Arc::clone(&ends));
         let worker = std::thread::spawn(move || program.run(&wrote, &end));
@@ -264,12 +264,12 @@ struct Program {
     step_s: f64,
     style: Style,
     orders: Orders,
-    places: Vec<Place>,
+    places: Vec<ParameterElement>,
     written: BTreeMap<String, Vec<f64>>,
     acknowledged: f64,
     fault: Option<String>,
     shown: Arc<Mutex<Shown>>,
-    /// When the watchdog was last counted.
+    /// Time of the last count of the watchdog.
     counted: Instant,
 }
 
@@ -326,7 +326,7 @@ impl Program {
     }
 
     fn obey(&mut self) -> Result<(), tautline_link::LinkError> {
-        // What was written before the command holds for it, also where both are read at once.
+        // Parameters written before a command apply to it, even if both are read at the same time.
         self.take_parameters();
         let kind = self.written.get(&global("kind")).and_then(|v| v.first());
         match kind.copied().unwrap_or(0.0) as i64 {
@@ -350,7 +350,7 @@ impl Program {
         }
     }
 
-    /// Gives the robot the parameters that were written, once it stands.
+    /// Gives the written parameters to the robot once it is at rest.
     fn take_parameters(&mut self) {
         if self.robot.state().activity == Activity::Moving {
             return;

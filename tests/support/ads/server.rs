@@ -1,4 +1,4 @@
-//! The server in a process of its own: orders go in as lines of JSON, and what clients write comes out.
+//! The server in a process of its own: it reads orders as lines of JSON, and reports the values that clients write.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
@@ -21,7 +21,7 @@ use super::host::{Host, Orders, Written, ads_client};
 use super::keys::TestKeys;
 use crate::support::python::python;
 
-/// How long an order may take before a test fails.
+/// Time limit for an order.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A protocol, and the server that speaks it.
@@ -100,7 +100,7 @@ fn orders_to(pipe: ChildStdin) -> Orders {
 
 /// A server; its process ends when it is dropped.
 pub struct Server {
-    /// What it speaks.
+    /// Protocol of the server.
     pub protocol: Protocol,
     process: Child,
     orders: Orders,
@@ -109,7 +109,7 @@ pub struct Server {
     pub fingerprint: Option<CertificateFingerprint>,
     next: AtomicU64,
     done: Mutex<Receiver<Value>>,
-    /// What clients wrote.
+    /// Receiver of the values that clients wrote.
     wrote: Mutex<Option<Receiver<Written>>>,
 }
 
@@ -152,7 +152,7 @@ impl Server {
         }
     }
 
-    /// Where clients connect to.
+    /// Address for clients over ADS.
     #[must_use]
     pub fn address(&self) -> AdsAddress {
         AdsAddress {
@@ -163,7 +163,7 @@ impl Server {
         }
     }
 
-    /// The same for a server that speaks OPC UA.
+    /// Address for clients over OPC UA.
     #[must_use]
     pub fn url(&self) -> OpcUaAddress {
         OpcUaAddress {
@@ -177,7 +177,7 @@ impl Server {
         }
     }
 
-    /// What a client brings along that trusts this server and knows its user.
+    /// Credentials of a client that trusts this server and knows its user.
     #[must_use]
     pub fn credentials(&self) -> Credentials {
         let keys = match self.fingerprint {

@@ -14,9 +14,9 @@ pub enum Style {
     Single,
 }
 
-/// Where the controller holds a parameter.
+/// The symbol, or element of an array, in which the controller keeps a parameter.
 #[derive(Debug)]
-pub struct Place {
+pub struct ParameterElement {
     /// The symbol.
     pub symbol: String,
     /// The element, if the symbol is an array.
@@ -64,9 +64,9 @@ pub fn mapping(robot: &Robot, style: Style) -> SymbolMapping {
     mapping
 }
 
-/// Where the parameters of the robot are held, in the order of [`parameters_of`].
+/// Symbols of the parameters of the robot, in the order of [`parameters_of`].
 #[must_use]
-pub fn places(robot: &Robot, style: Style) -> Vec<Place> {
+pub fn places(robot: &Robot, style: Style) -> Vec<ParameterElement> {
     let place = |name: &String| {
         let cable = robot
             .cables
@@ -82,7 +82,7 @@ pub fn places(robot: &Robot, style: Style) -> Vec<Place> {
         };
         let scale = if style == Style::Single { 1e-3 } else { 1.0 };
         let name = name.clone();
-        Place {
+        ParameterElement {
             symbol,
             element,
             name,

@@ -1,4 +1,4 @@
-//! Who runs the program at a controller.
+//! User who runs the program at a controller.
 
 use std::process::{Child, Command, Stdio};
 

@@ -12,14 +12,14 @@ use serde_json::Value;
 
 /// A dataset with one mistake.
 pub struct BadInput {
-    /// What is wrong.
+    /// Description of the mistake.
     pub name: &'static str,
     mistake: Mistake,
-    /// What the message has to contain.
+    /// Parts that the message has to contain.
     pub expected: &'static [&'static str],
 }
 
-/// How the good dataset is changed.
+/// Change of the good dataset.
 enum Mistake {
     /// The value at a JSON pointer of robot.json becomes this JSON text; a new key is added.
     Set(&'static str, &'static str),

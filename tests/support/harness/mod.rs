@@ -14,7 +14,7 @@ use tautline_workbench::shell::App;
 pub use renderer::GlowTestRenderer;
 pub use robot::{connect_and_arm, give_parameters, wait, words};
 
-/// How long a task may take before a test fails.
+/// Time limit of a task.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Lets the workbench run until no task is running and nothing changes any more.
@@ -37,13 +37,13 @@ pub fn settle(harness: &mut Harness<'_, App>) {
     harness.run_ok();
 }
 
-/// Gives a command and waits until all is done.
+/// Gives a command and waits until all tasks have ended.
 pub fn give(harness: &mut Harness<'_, App>, command: impl Into<Command>) {
     harness.state_mut().state.outbox.send(command);
     settle(harness);
 }
 
-/// Presses what has this name, wherever it is scrolled to, and waits until all is done.
+/// Presses the element with this name, even if it is scrolled away, and waits until all tasks have ended.
 pub fn press(harness: &mut Harness<'_, App>, name: &str) {
     harness.get_by_label(name).click_accesskit();
     harness.step();

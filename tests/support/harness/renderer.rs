@@ -1,4 +1,4 @@
-//! Paints what the harness draws, three dimensions included, on OpenGL without a window.
+//! Renders the output of the harness, including the 3D view, on OpenGL without a window.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -23,7 +23,7 @@ impl GlowTestRenderer {
         Ok(Self(Rc::new(RefCell::new(painter))))
     }
 
-    /// The picture of what the harness drew last.
+    /// Picture of the last frame of the harness.
     ///
     /// # Errors
     /// If the driver refuses.

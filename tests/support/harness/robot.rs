@@ -1,4 +1,4 @@
-//! The simulated robot of a workbench: waiting for it, and getting it ready.
+//! The simulated robot of a workbench: waiting for it, and preparing it.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use tautline_workbench::shell::{App, State};
 
 use super::{PATIENCE, press};
 
-/// Lets the workbench run until its state is as wanted.
+/// Lets the workbench run until its state meets a condition.
 ///
 /// # Panics
 /// If that does not happen.
@@ -57,7 +57,7 @@ fn arm(harness: &mut Harness<'_, App>) {
     wait(harness, "arming", |state| state.model.link.is_armed());
 }
 
-/// All that is written on the screen.
+/// All texts on the screen.
 #[must_use]
 pub fn words(harness: &Harness<'_, App>) -> Vec<String> {
     let nodes = harness.root().children_recursive();

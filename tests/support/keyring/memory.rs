@@ -9,7 +9,7 @@ use tautline_link::opcua::{Account, Password, PasswordStore, PasswordStoreError}
 pub struct MemoryPasswords(Mutex<Vec<(Account, Password)>>);
 
 impl MemoryPasswords {
-    /// Who has a password here.
+    /// Accounts with a password.
     #[must_use]
     pub fn accounts(&self) -> Vec<Account> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -12,9 +12,9 @@ use crate::support::python::python;
 /// An item of a keyring.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoredItem {
-    /// By what it is found.
+    /// Attributes for the search.
     pub attributes: BTreeMap<String, String>,
-    /// What it keeps.
+    /// The stored content.
     pub secret: String,
 }
 
@@ -47,7 +47,7 @@ impl SecretService {
         Self { process, folder }
     }
 
-    /// Ends it, so that programs find nothing where it was.
+    /// Ends the process, so that programs find no service at its address.
     #[must_use]
     pub fn gone(mut self) -> Self {
         let _ = self.process.kill();
@@ -55,13 +55,13 @@ impl SecretService {
         self
     }
 
-    /// Lets a program find it.
+    /// Sets the address of the service for a program.
     pub fn serve(&self, command: &mut Command) {
         let address = format!("unix:path={}", self.folder.join("bus"));
         command.env("DBUS_SESSION_BUS_ADDRESS", address);
     }
 
-    /// What it keeps.
+    /// The stored content.
     ///
     /// # Panics
     /// If its file is damaged.

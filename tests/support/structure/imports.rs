@@ -1,11 +1,11 @@
-//! Which file imports which, after re-exports: an import leads to the file that defines the item.
+//! Imports between files, resolved through re-exports: an import leads to the file that defines the item.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::modules::{Crate, Module, ModulePath};
 
-/// One file's import of what another file of the same crate defines.
+/// Import of an item by one file from another file of the same crate.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Import {
     pub from: PathBuf,
@@ -15,7 +15,7 @@ pub struct Import {
     pub path: String,
 }
 
-/// Where a path leads.
+/// Target of a path.
 #[derive(Debug)]
 enum Target<'a> {
     Module(&'a ModulePath),
@@ -33,8 +33,8 @@ pub fn crates_mentioned(krate: &Crate) -> BTreeSet<(String, PathBuf, usize)> {
     found
 }
 
-/// All imports between different files of a crate. A module that re-exports what its own children define does not
-/// import it: that is the table of contents of a folder.
+/// All imports between different files of a crate. A module that re-exports items of its own children does not import them:
+/// it is the table of contents of a folder.
 pub fn imports(krate: &Crate) -> BTreeSet<Import> {
     let mut found = BTreeSet::new();
     for (path, module) in &krate.modules {
@@ -52,7 +52,7 @@ pub fn imports(krate: &Crate) -> BTreeSet<Import> {
             match resolve(krate, path, &mention.path, 0) {
                 Some(Target::Item(at, _)) if mention.is_reexport && at.starts_with(path) => {}
                 Some(Target::Item(_, target)) => add(Some(target), &mention.path, mention.line),
-                // A module by itself says nothing: what is used of it is a mention of its own.
+                // A module by itself is not an import: the items used from it are mentioned separately.
                 Some(Target::Module(_)) | None => {}
             }
         }

@@ -9,7 +9,7 @@ const TESTS: &str = "#[cfg(test)]\nmod tests {";
 /// Lines of a crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Lines {
-    /// Lines of what is built into the program.
+    /// Lines of production code.
     pub production: usize,
     /// Lines of unit tests.
     pub tests: usize,

@@ -1,8 +1,8 @@
-//! Checks which crates and modules of Tautline import which, and lists what is against the rules:
+//! Checks the imports between crates and modules of Tautline, and lists violations of the rules:
 //!
 //!     cargo run --package tautline-structure
 //!
-//! Code for tests is left out: it may import whatever it tests. With `-- lines` it prints the lines of every crate.
+//! Code for tests is left out: it may import anything that it tests. With `-- lines` it prints the lines of every crate.
 
 mod imports;
 mod lines;
@@ -21,7 +21,7 @@ use crate::lines::Lines;
 use crate::modules::Crate;
 use crate::rules::{circles, disorder};
 
-/// What a crate may import of ours, and which of its top-level modules may import which.
+/// Rules of a crate: the crates of ours that it may import, and the order of its top-level modules.
 #[derive(Debug)]
 struct Rules<'a> {
     folder: &'a str,

@@ -1,4 +1,4 @@
-//! The modules of a crate: what each defines, imports and mentions.
+//! The modules of a crate: the items that each defines, imports and mentions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -14,7 +14,7 @@ pub type ModulePath = Vec<String>;
 pub struct Mention {
     pub path: Vec<String>,
     pub line: usize,
-    /// Whether it only gives the item a further name: `pub use`.
+    /// Whether the mention is a re-export, `pub use`.
     pub is_reexport: bool,
 }
 
@@ -22,9 +22,9 @@ pub struct Mention {
 #[derive(Debug, Default)]
 pub struct Module {
     pub file: PathBuf,
-    /// Names of what the module defines, without what it imports.
+    /// Names of the items that the module defines, without imported ones.
     pub items: BTreeSet<String>,
-    /// Paths by the name that they are imported under.
+    /// Imported paths by their names in the module.
     pub imports: BTreeMap<String, Vec<String>>,
     /// Modules of which everything is imported.
     pub globs: Vec<Vec<String>>,

@@ -1,4 +1,4 @@
-//! What may import what.
+//! Rules of imports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -13,8 +13,8 @@ pub struct Circle {
     pub imports: Vec<Import>,
 }
 
-/// Largest number of files of one folder that may know each other. What a folder defines in its `mod.rs` may be used in
-/// all of its files.
+/// Largest number of files of one folder that may import each other. Items defined in the `mod.rs` of a folder may be used
+/// in all of its files.
 const LARGEST_CIRCLE: usize = 2;
 
 /// Circles that are larger than one folder, and those of more than two files within one.
@@ -58,12 +58,12 @@ fn circle(
     Circle { files, imports }
 }
 
-/// Whether a file stands for its folder.
+/// Whether a file is the facade of a folder: `mod.rs`, or a file with a folder of the same name.
 fn is_facade(file: &Path) -> bool {
     file.ends_with("mod.rs") || file.with_extension("").is_dir()
 }
 
-/// One import says enough about two files.
+/// Keeps one import for each pair of files.
 fn keep_one_of_each(imports: &mut Vec<Import>) {
     imports.dedup_by(|a, b| (&a.from, &a.to) == (&b.from, &b.to));
 }
@@ -118,7 +118,7 @@ fn visit<'a>(
     finished.push(file);
 }
 
-/// What is wrong with the order of a crate's top-level modules.
+/// Violations of the order of a crate's top-level modules.
 #[derive(Debug, Default)]
 pub struct Disorder {
     /// Imports that lead up: to a module that comes later in the order, or beside its importer.

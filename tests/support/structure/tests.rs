@@ -1,4 +1,4 @@
-//! Planted violations are found, and what looks like one is not.
+//! Planted violations are found, and similar code without a violation is not.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ const RULES: Rules = Rules {
     order: &[],
 };
 
-/// What is found in a crate of these files.
+/// Violations in a crate of these files.
 fn found(rules: &Rules, files: &[(&str, &str)]) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, source) in files {
@@ -80,7 +80,7 @@ fn a_file_beside_its_folder_belongs_to_it() {
     assert!(found(&RULES, &files).is_empty());
 }
 
-/// A folder may use what the `mod.rs` above it defines, as long as that only re-exports it.
+/// A folder may use items of the `mod.rs` above it, as long as this only re-exports them.
 #[test]
 fn a_reexport_is_no_import() {
     let child = ("a/b/mod.rs", "pub struct B(Option<super::A>);");

@@ -137,7 +137,7 @@ fn is_word(character: char) -> bool {
     character.is_alphanumeric() || character == '_'
 }
 
-/// How many `#` a raw string has that begins here.
+/// Number of `#` of a raw string that begins here.
 fn raw_string(rest: &str) -> Option<usize> {
     let start = rest.strip_prefix(['b', 'c']).unwrap_or(rest);
     let hashes = start.strip_prefix('r')?;

@@ -1,4 +1,4 @@
-//! A screen of its own that nobody sees: Xvfb, its keyboard, its pointer, its pixels.
+//! A virtual screen: Xvfb, its keyboard, its pointer, its pixels.
 
 use std::io::{BufRead, BufReader, IoSlice};
 use std::process::{Child, Command, Stdio};
@@ -14,7 +14,7 @@ use x11rb::rust_connection::RustConnection;
 /// Number of the XTEST request for a key, a button or a move.
 const FAKE_INPUT: u8 = 2;
 
-/// Keysyms of keys that write nothing.
+/// Keysyms of keys without a character.
 pub mod keys {
     /// Return.
     pub const RETURN: u32 = 0xff0d;
@@ -27,7 +27,7 @@ pub mod keys {
 /// An X server without a screen; it ends with this value.
 pub struct Display {
     server: Child,
-    /// What `DISPLAY` has to be for programs that are to appear on it.
+    /// Value of `DISPLAY` for programs on this display.
     pub name: String,
     connection: RustConnection,
     root: Window,
@@ -39,7 +39,7 @@ impl Display {
     /// A display of this size in pixels, at a number that is free.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn new(width: u32, height: u32) -> Result<Self> {
         Self::with_options(width, height, &[])
     }
@@ -86,7 +86,7 @@ impl Display {
     /// The first window whose title contains this, while it is shown.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn window(&self, title: &str) -> Result<Option<Window>> {
         let tree = self.connection.query_tree(self.root)?.reply()?;
         for window in tree.children {
@@ -113,7 +113,7 @@ impl Display {
     /// Keys go to this window: there is no window manager that would see to it.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn focus(&self, window: Window) -> Result<()> {
         let connection = &self.connection;
         connection
@@ -125,7 +125,7 @@ impl Display {
     /// Resizes a window and puts it into the upper left corner.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn fill(&self, window: Window, width: u32, height: u32) -> Result<()> {
         let place = xproto::ConfigureWindowAux::new().x(0).y(0);
         let place = place.width(width).height(height);
@@ -134,7 +134,7 @@ impl Display {
     }
 
     fn fake(&self, kind: u8, detail: u8, (x, y): (i16, i16)) -> Result<()> {
-        // By hand: asking x11rb for it would have winit, eframe and all that needs them built twice.
+        // Built by hand: the feature of x11rb would have winit, eframe and their dependents built twice.
         let mut request = [0; 36];
         request[..4].copy_from_slice(&[self.xtest, FAKE_INPUT, 9, 0]);
         request[4..6].copy_from_slice(&[kind, detail]);
@@ -152,7 +152,7 @@ impl Display {
     /// Moves the pointer.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn move_to(&self, (x, y): (i16, i16)) -> Result<()> {
         self.fake(xproto::MOTION_NOTIFY_EVENT, 0, (x, y))
     }
@@ -160,7 +160,7 @@ impl Display {
     /// Presses the left button, or releases it.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn button(&self, pressed: bool) -> Result<()> {
         let kind = match pressed {
             true => xproto::BUTTON_PRESS_EVENT,
@@ -172,7 +172,7 @@ impl Display {
     /// Strikes the key of a keysym while others are held.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn strike(&self, held: &[u32], key: u32) -> Result<()> {
         let (code, shifted) = self.code(key)?;
         let mut held = held.to_vec();
@@ -194,7 +194,7 @@ impl Display {
     /// Types letters, digits and signs of ASCII.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn write(&self, text: &str) -> Result<()> {
         ensure!(text.is_ascii(), "{text} cannot be typed");
         text.bytes()
@@ -219,10 +219,10 @@ impl Display {
         bail!("no key has the keysym {key:#x}")
     }
 
-    /// What is on the screen there: left, top, width, height.
+    /// Pixels of a part of the screen: left, top, width, height.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn picture(&self, (x, y, width, height): (i16, i16, u16, u16)) -> Result<RgbaImage> {
         let connection = &self.connection;
         let whole = ImageFormat::Z_PIXMAP;

@@ -1,4 +1,4 @@
-//! The built program in a real window that nobody sees, for tests and for measuring its speed.
+//! The built program in a real window on a virtual screen, for tests and for measuring its speed.
 
 mod display;
 mod running;

@@ -11,21 +11,21 @@ use anyhow::{Context, Result, bail, ensure};
 use super::display::{Display, keys};
 use crate::support::program::program;
 
-/// How long anything may take before it counts as hung.
+/// Time limit after which the program counts as hung.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Time between two looks.
+/// Time between two checks.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Something that the window shows.
+/// An element of the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
-    /// What kind of thing it is, such as `Button`.
+    /// Role, such as `Button`.
     pub role: String,
     /// Its accessible name.
     pub name: String,
     /// Left, top, width, height in pixels.
     pub place: [f64; 4],
-    /// Whether it is selected.
+    /// Whether the element is selected.
     pub selected: bool,
 }
 
@@ -40,7 +40,7 @@ impl Element {
 
 /// The running program.
 pub struct Window {
-    /// Where it is shown.
+    /// Display of the window.
     pub display: Display,
     program: Child,
     folder: PathBuf,
@@ -103,16 +103,16 @@ impl Window {
         self.program.id()
     }
 
-    /// What it has complained of.
+    /// Standard error of the program.
     #[must_use]
     pub fn complaints(&self) -> String {
         fs::read_to_string(self.folder.join("stderr")).unwrap_or_default()
     }
 
-    /// Number of frames so far and what the last one shows.
+    /// Number of frames so far, and the elements of the last one.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn shown(&self) -> Result<(u64, Vec<Element>)> {
         let text = fs::read_to_string(self.folder.join("shown")).unwrap_or_default();
         let mut lines = text.lines();
@@ -121,10 +121,10 @@ impl Window {
         Ok((frames, elements?))
     }
 
-    /// Looks again and again until there is something.
+    /// Polls until `look` returns a value.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn until<T>(&mut self, what: &str, look: impl Fn(&Self) -> Result<Option<T>>) -> Result<T> {
         let start = Instant::now();
         loop {
@@ -148,7 +148,7 @@ impl Window {
     /// Waits for the first element that fits.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn element(&mut self, what: &str, fits: impl Fn(&Element) -> bool) -> Result<Element> {
         self.until(what, |window| {
             let (_, elements) = window.shown()?;
@@ -159,7 +159,7 @@ impl Window {
     /// Waits for the element of this role and name.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn named(&mut self, role: &str, name: &str) -> Result<Element> {
         self.element(&format!("the {role} {name}"), |element| {
             element.role == role && element.name == name
@@ -169,17 +169,17 @@ impl Window {
     /// Waits for a text that begins like this.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn text(&mut self, beginning: &str) -> Result<Element> {
         self.element(&format!("the text {beginning}"), |element| {
             element.name.starts_with(beginning)
         })
     }
 
-    /// Waits until it draws nothing new.
+    /// Waits until no new frames are drawn.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn rest(&mut self) -> Result<()> {
         self.until("rest", |window| {
             let before = window.shown()?.0;
@@ -191,7 +191,7 @@ impl Window {
     /// Clicks into the middle of an element.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn click(&self, element: &Element) -> Result<()> {
         self.display.move_to(element.middle())?;
         self.display.button(true)?;
@@ -217,7 +217,7 @@ impl Window {
     /// Strikes a letter or digit with the control key held, and the shift key, too, for a capital.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn command(&self, key: char) -> Result<()> {
         let held: &[u32] = match key.is_ascii_uppercase() {
             true => &[keys::CONTROL, keys::SHIFT],
@@ -230,7 +230,7 @@ impl Window {
     /// Waits until the program has ended of itself.
     ///
     /// # Errors
-    /// If the display or the program fails, or what is waited for does not come.
+    /// If the display or the program fails, or at the time limit.
     pub fn end(&mut self) -> Result<ExitStatus> {
         let start = Instant::now();
         while start.elapsed() < PATIENCE {

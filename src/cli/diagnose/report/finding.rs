@@ -12,7 +12,7 @@ pub const INDENT: &str = "   ";
 /// Length of a bar in characters.
 const BAR: usize = 20;
 
-/// The errors beside the causes, and what to do about them.
+/// The errors beside the causes, with advice.
 pub fn remaining(errors: &[&Finding]) -> Vec<String> {
     let sentences = errors.iter().map(|error| &error.sentence);
     let mut lines: Vec<String> = Vec::new();

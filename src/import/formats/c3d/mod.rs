@@ -8,7 +8,7 @@ mod processor;
 
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
 use self::parameters::Parameters;
 use self::processor::Processor;
@@ -32,10 +32,10 @@ const OTHER_POINTS: [(&str, &str); 5] = [
 
 /// Reads a file, whose series begin with `name`.
 pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Source, ReadError> {
-    let refuse = |message: String| ReadError::new(file, Place::File, message);
+    let refuse = |message: String| ReadError::new(file, Location::File, message);
     let failed = |error: std::io::Error| match error.kind() {
         ErrorKind::UnexpectedEof => refuse("ends before its data, expected C3D".into()),
-        _ => ReadError::io(file, Place::File, &error),
+        _ => ReadError::io(file, Location::File, &error),
     };
     let size = input.file().and_then(|file| file.metadata());
     let size = size.map_err(failed)?.len();

@@ -10,28 +10,28 @@ pub struct Parameters {
     processor: Processor,
     groups: Vec<(u8, String)>,
     all: Vec<Parameter>,
-    /// Whether the chain is terminated properly.
+    /// Whether the chain of entries ends with its terminator.
     pub is_whole: bool,
 }
 
 struct Parameter {
     group: u8,
     name: String,
-    kind: Kind,
+    kind: ParameterType,
     /// Elements of the first dimension, which are the letters of a text.
     width: usize,
     data: Vec<u8>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum ParameterType {
     Text,
     Byte,
     Integer,
     Float,
 }
 
-impl Kind {
+impl ParameterType {
     fn of(code: u8) -> Option<Self> {
         match code {
             0xff => Some(Self::Text),
@@ -111,7 +111,7 @@ impl Parameters {
     /// The texts of a parameter without the blanks at their ends; none where there is no such parameter.
     pub fn texts(&self, group: &str, name: &str) -> Vec<String> {
         let all = self.continued(group, name);
-        let all = all.filter(|one| one.kind == Kind::Text && one.width > 0);
+        let all = all.filter(|one| one.kind == ParameterType::Text && one.width > 0);
         all.flat_map(|one| one.data.chunks(one.width).map(text))
             .collect()
     }
@@ -129,14 +129,14 @@ impl Parameters {
     fn numbers_by(&self, group: &str, name: &str, integer: fn(u16) -> f64) -> Vec<f64> {
         let of = |one: &Parameter| -> Vec<f64> {
             match one.kind {
-                Kind::Text => Vec::new(),
-                Kind::Byte => one.data.iter().map(|byte| f64::from(*byte)).collect(),
-                Kind::Integer => {
+                ParameterType::Text => Vec::new(),
+                ParameterType::Byte => one.data.iter().map(|byte| f64::from(*byte)).collect(),
+                ParameterType::Integer => {
                     let (words, _) = one.data.as_chunks();
                     let words = words.iter().map(|word| self.processor.integer(*word));
                     words.map(integer).collect()
                 }
-                Kind::Float => {
+                ParameterType::Float => {
                     let (words, _) = one.data.as_chunks();
                     let words = words.iter().map(|word| self.processor.float(*word));
                     words.collect()
@@ -150,7 +150,7 @@ impl Parameters {
 /// Type, dimensions and data of a parameter.
 fn parameter(group: u8, name: String, content: &[u8]) -> Option<Parameter> {
     let ([kind, dimensions], content) = content.split_first_chunk()?;
-    let kind = Kind::of(*kind)?;
+    let kind = ParameterType::of(*kind)?;
     let (dimensions, content) = content.split_at_checked(usize::from(*dimensions))?;
     let count = dimensions.iter().try_fold(kind.bytes(), |bytes, size| {
         bytes.checked_mul(usize::from(*size))

@@ -5,7 +5,7 @@ use std::io::{self, BufReader, ErrorKind, Read};
 
 use bzip2::read::BzDecoder;
 use lz4_flex::frame::FrameDecoder;
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Location, ReadError, quoted, read_damaged};
 
 use super::definitions::{Definitions, Version};
 use super::wire::Wire;
@@ -28,7 +28,7 @@ mod op {
 }
 
 pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let failed = |error: io::Error| ReadError::io(file, Place::File, &error);
+    let failed = |error: io::Error| ReadError::io(file, Location::File, &error);
     let size = input.file().and_then(|file| file.metadata());
     let mut bag = Bag {
         size: size.map_err(failed)?.len(),
@@ -58,7 +58,7 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         }
         if bag.is_encrypted {
             let message = "is an encrypted bag, expected one that is not (rosbag decrypt <bag>)";
-            return Err(ReadError::new(file, Place::File, message));
+            return Err(ReadError::new(file, Location::File, message));
         }
     };
     let mut notices = Vec::new();
@@ -85,7 +85,7 @@ struct Bag {
 }
 
 impl Bag {
-    /// Whether the recorder has not closed the bag, or its end is missing.
+    /// Whether the bag was not closed by the recorder, or is cut off before its index.
     fn is_open(&self) -> bool {
         self.index_at == 0 || self.index_at > self.size
     }

@@ -11,12 +11,12 @@ pub(super) struct Definition {
 
 pub(super) struct Field {
     pub name: String,
-    pub kind: Kind,
+    pub kind: FieldType,
     pub count: Count,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum FieldType {
     Number(Number),
     Text,
     /// Seconds and nanoseconds, stored as these.
@@ -95,12 +95,12 @@ impl Definitions {
         &self.0[place]
     }
 
-    /// Whether a part is a `MultiArrayLayout`.
-    pub fn is_array_layout(&self, kind: Kind) -> bool {
-        matches!(kind, Kind::Nested(place) if self.get(place).name == "std_msgs/MultiArrayLayout")
+    /// Whether a type is `std_msgs/MultiArrayLayout`.
+    pub fn is_array_layout(&self, kind: FieldType) -> bool {
+        matches!(kind, FieldType::Nested(place) if self.get(place).name == "std_msgs/MultiArrayLayout")
     }
 
-    /// Whether the message consists of `data` only, so that the topic is the better name.
+    /// Whether the message has no field but `data`, so that the topic is the better name.
     pub fn is_only_data(&self) -> bool {
         let fields = self.message().fields.iter();
         let mut others = fields.filter(|field| !self.is_array_layout(field.kind));
@@ -108,7 +108,7 @@ impl Definitions {
     }
 
     /// The type of the transforms of which the message is a list.
-    pub fn transforms(&self) -> Option<Kind> {
+    pub fn transforms(&self) -> Option<FieldType> {
         match &self.message().fields[..] {
             [field] if is_transforms(&self.message().name) => {
                 Some(field.kind).filter(|_| field.count == Count::Sequence)
@@ -118,7 +118,7 @@ impl Definitions {
     }
 }
 
-/// Whether this is a list of transforms, which ROS 1 once called `tf/tfMessage`.
+/// Whether a message type is a list of transforms; early versions of ROS 1 called it `tf/tfMessage`.
 fn is_transforms(name: &str) -> bool {
     name.ends_with("/TFMessage") || name == "tf/tfMessage"
 }
@@ -129,7 +129,7 @@ fn normal(name: &str) -> String {
 }
 
 /// The field of a line; `None` for a constant.
-fn field(line: &str, kind_of: impl Fn(&str) -> Option<Kind>) -> Option<Result<Field, String>> {
+fn field(line: &str, kind_of: impl Fn(&str) -> Option<FieldType>) -> Option<Result<Field, String>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
     let rest = rest.trim_start();
     let end = rest
@@ -166,12 +166,12 @@ fn count_of(length: &str) -> Option<Count> {
         .map(Count::Fixed)
 }
 
-fn kind_of(version: Version, base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
+fn kind_of(version: Version, base: &str, owner: &str, names: &[&str]) -> Option<FieldType> {
     let number = match base {
         "bool" => Number::Bool,
         "byte" if version == Version::Ros1 => Number::I8,
-        "time" if version == Version::Ros1 => return Some(Kind::Time([Number::U32; 2])),
-        "duration" if version == Version::Ros1 => return Some(Kind::Time([Number::I32; 2])),
+        "time" if version == Version::Ros1 => return Some(FieldType::Time([Number::U32; 2])),
+        "duration" if version == Version::Ros1 => return Some(FieldType::Time([Number::I32; 2])),
         "int8" => Number::I8,
         "uint8" | "byte" | "char" => Number::U8,
         "int16" => Number::I16,
@@ -182,24 +182,24 @@ fn kind_of(version: Version, base: &str, owner: &str, names: &[&str]) -> Option<
         "uint64" => Number::U64,
         "float32" => Number::F32,
         "float64" => Number::F64,
-        "string" => return Some(Kind::Text),
+        "string" => return Some(FieldType::Text),
         _ => return nested(base, owner, names),
     };
-    Some(Kind::Number(number))
+    Some(FieldType::Number(number))
 }
 
 /// A type by its name, in the package of its owner if it states none.
-fn nested(base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
+fn nested(base: &str, owner: &str, names: &[&str]) -> Option<FieldType> {
     let package = owner.split('/').next().unwrap_or_default();
     let candidates = match base.contains('/') {
         true => [normal(base), String::new()],
         false => [format!("{package}/{base}"), format!("std_msgs/{base}")],
     };
     if ["builtin_interfaces/Time", "builtin_interfaces/Duration"].contains(&&*candidates[0]) {
-        return Some(Kind::Time([Number::I32, Number::U32]));
+        return Some(FieldType::Time([Number::I32, Number::U32]));
     }
     let place = |name: &String| names.iter().position(|known| known == name);
-    candidates.iter().find_map(place).map(Kind::Nested)
+    candidates.iter().find_map(place).map(FieldType::Nested)
 }
 
 #[cfg(test)]
@@ -216,7 +216,7 @@ mod tests {
             MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n\
             ===\nMSG: p/msg/Own\nbyte x\n";
         let parsed = Definitions::parse(Version::Ros2, "p/msg/Kind", text).unwrap();
-        let fields: Vec<(&str, Kind, Count)> = parsed
+        let fields: Vec<(&str, FieldType, Count)> = parsed
             .message()
             .fields
             .iter()
@@ -225,17 +225,17 @@ mod tests {
         assert_eq!(
             fields,
             [
-                ("header", Kind::Nested(1), Count::One),
-                ("a", Kind::Number(Number::F64), Count::Fixed(3)),
-                ("b", Kind::Number(Number::I16), Count::Sequence),
-                ("names", Kind::Text, Count::Sequence),
-                ("c", Kind::Number(Number::U8), Count::One),
-                ("own", Kind::Nested(2), Count::One),
+                ("header", FieldType::Nested(1), Count::One),
+                ("a", FieldType::Number(Number::F64), Count::Fixed(3)),
+                ("b", FieldType::Number(Number::I16), Count::Sequence),
+                ("names", FieldType::Text, Count::Sequence),
+                ("c", FieldType::Number(Number::U8), Count::One),
+                ("own", FieldType::Nested(2), Count::One),
             ]
         );
         assert_eq!(
             parsed.get(1).fields[0].kind,
-            Kind::Time([Number::I32, Number::U32])
+            FieldType::Time([Number::I32, Number::U32])
         );
         assert_eq!(parsed.get(2).name, "p/Own");
     }
@@ -259,15 +259,15 @@ mod tests {
             MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
         let parsed = Definitions::parse(Version::Ros1, "p/Kind", text).unwrap();
         let fields = parsed.message().fields.iter();
-        let kinds: Vec<Kind> = fields.map(|field| field.kind).collect();
+        let kinds: Vec<FieldType> = fields.map(|field| field.kind).collect();
         assert_eq!(
             kinds,
             [
-                Kind::Nested(1),
-                Kind::Number(Number::I8),
-                Kind::Number(Number::U8),
-                Kind::Time([Number::U32; 2]),
-                Kind::Time([Number::I32; 2]),
+                FieldType::Nested(1),
+                FieldType::Number(Number::I8),
+                FieldType::Number(Number::U8),
+                FieldType::Time([Number::U32; 2]),
+                FieldType::Time([Number::I32; 2]),
             ]
         );
         let error = Definitions::parse(Version::Ros2, "p/Kind", "time a").err();

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use serde_json::Value;
 use tautline_session::quoted;
 
-use super::definitions::{Count, Definitions, Field, Kind};
+use super::definitions::{Count, Definitions, Field, FieldType};
 use super::wire::Wire;
 
 /// Longest list that becomes columns: a covariance has 36 elements; images and scans have more.
@@ -20,7 +20,7 @@ const LONGEST_LABEL: usize = 60;
 const LONGEST_TEXT: usize = 200;
 
 /// A column of numbers.
-pub(super) struct Column {
+pub(super) struct NumberColumn {
     pub name: String,
     pub is_time: bool,
 }
@@ -28,7 +28,7 @@ pub(super) struct Column {
 /// The columns of a topic and its last message.
 #[derive(Default)]
 pub(super) struct Layout {
-    pub columns: Vec<Column>,
+    pub columns: Vec<NumberColumn>,
     pub texts: Vec<String>,
     /// Values of the message by column.
     pub row: Vec<f64>,
@@ -37,25 +37,25 @@ pub(super) struct Layout {
     pub stamp_s: Option<f64>,
     /// Parts of the messages that are left out.
     pub left_out: BTreeSet<String>,
-    /// Whether the columns are known.
+    /// Whether a first message has defined the columns.
     is_known: bool,
     root: Node,
     /// Columns by path, for self-describing messages.
-    by_path: HashMap<String, Place>,
+    by_path: HashMap<String, Destination>,
 }
 
 /// Part of a message with its destination.
 #[derive(Default)]
 struct Node {
-    place: Option<Place>,
+    place: Option<Destination>,
     /// Names of the elements of a list, if another list of the message states them.
     labels: Vec<String>,
-    /// Parts of it.
+    /// Fields of the part, or elements of the list.
     inner: Vec<Node>,
 }
 
 #[derive(Clone, Copy)]
-enum Place {
+enum Destination {
     Number(usize),
     Text(usize),
     /// The time of the row.
@@ -86,7 +86,7 @@ impl Layout {
     pub fn read(
         &mut self,
         definitions: &Definitions,
-        kind: Kind,
+        kind: FieldType,
         wire: &mut Wire<'_>,
         root: &str,
     ) -> Option<()> {
@@ -131,24 +131,24 @@ impl Layout {
     }
 
     /// A new column of numbers.
-    fn column(&mut self, name: &str, is_time: bool) -> Option<Place> {
+    fn column(&mut self, name: &str, is_time: bool) -> Option<Destination> {
         if !self.has_room() {
             return None;
         }
         let name = name.to_owned();
-        self.columns.push(Column { name, is_time });
+        self.columns.push(NumberColumn { name, is_time });
         self.row.push(f64::NAN);
-        Some(Place::Number(self.columns.len() - 1))
+        Some(Destination::Number(self.columns.len() - 1))
     }
 
     /// A new column of text.
-    fn text(&mut self, name: &str) -> Option<Place> {
+    fn text(&mut self, name: &str) -> Option<Destination> {
         if !self.has_room() {
             return None;
         }
         self.texts.push(name.to_owned());
         self.row_texts.push(String::new());
-        Some(Place::Text(self.texts.len() - 1))
+        Some(Destination::Text(self.texts.len() - 1))
     }
 
     fn has_room(&mut self) -> bool {
@@ -160,16 +160,16 @@ impl Layout {
         has_room
     }
 
-    fn put(&mut self, place: Option<Place>, number: f64) {
+    fn put(&mut self, place: Option<Destination>, number: f64) {
         match place {
-            Some(Place::Number(column)) => self.row[column] = number,
-            Some(Place::Stamp) => self.stamp_s = Some(number).filter(|time_s| *time_s != 0.0),
+            Some(Destination::Number(column)) => self.row[column] = number,
+            Some(Destination::Stamp) => self.stamp_s = Some(number).filter(|time_s| *time_s != 0.0),
             _ => {}
         }
     }
 
-    fn put_text(&mut self, place: Option<Place>, text: &str) {
-        let Some(Place::Text(column)) = place else {
+    fn put_text(&mut self, place: Option<Destination>, text: &str) {
+        let Some(Destination::Text(column)) = place else {
             return;
         };
         if text.len() <= LONGEST_TEXT {
@@ -219,8 +219,8 @@ impl Layout {
     fn place_of(
         &mut self,
         path: &str,
-        new: impl FnOnce(&mut Self) -> Option<Place>,
-    ) -> Option<Place> {
+        new: impl FnOnce(&mut Self) -> Option<Destination>,
+    ) -> Option<Destination> {
         let known = self.by_path.get(path).copied();
         if known.is_some() {
             return known;
@@ -247,7 +247,7 @@ impl<'a> Walk<'_, 'a> {
     /// from a sibling list.
     fn part(
         &mut self,
-        kind: Kind,
+        kind: FieldType,
         node: Option<&mut Node>,
         path: &str,
         labels: &[&'a str],
@@ -255,8 +255,8 @@ impl<'a> Walk<'_, 'a> {
     ) -> Option<()> {
         let is_first = !self.layout.is_known;
         match kind {
-            Kind::Nested(at) => return self.fields(at, node, path, labels, depth),
-            Kind::Number(number) => {
+            FieldType::Nested(at) => return self.fields(at, node, path, labels, depth),
+            FieldType::Number(number) => {
                 let value = self.wire.number(number)?;
                 let Some(node) = node else { return Some(()) };
                 if is_first {
@@ -264,7 +264,7 @@ impl<'a> Walk<'_, 'a> {
                 }
                 self.layout.put(node.place, value);
             }
-            Kind::Time(parts) => {
+            FieldType::Time(parts) => {
                 let time_s = self.wire.time_s(parts)?;
                 let Some(node) = node else { return Some(()) };
                 if is_first && node.place.is_none() {
@@ -272,7 +272,7 @@ impl<'a> Walk<'_, 'a> {
                 }
                 self.layout.put(node.place, time_s);
             }
-            Kind::Text => {
+            FieldType::Text => {
                 let text = self.wire.text()?;
                 let Some(node) = node else { return Some(()) };
                 if is_first {
@@ -313,8 +313,8 @@ impl<'a> Walk<'_, 'a> {
             let mut inner = node.as_deref_mut();
             if is_first && let Some(node) = inner.as_deref_mut() {
                 node.inner.resize_with(k + 1, Node::default);
-                if is_stamped && matches!(field.kind, Kind::Time(_)) && field.name == "stamp" {
-                    node.inner[k].place = Some(Place::Stamp);
+                if is_stamped && matches!(field.kind, FieldType::Time(_)) && field.name == "stamp" {
+                    node.inner[k].place = Some(Destination::Stamp);
                 }
             }
             let part = inner.and_then(|node| node.inner.get_mut(k));
@@ -365,9 +365,9 @@ impl<'a> Walk<'_, 'a> {
         if is_first && let Some(node) = node.as_deref_mut() {
             if count > MOST_ELEMENTS {
                 self.layout.left_out.insert(long_list(path));
-                node.place = Some(Place::Nowhere);
+                node.place = Some(Destination::Nowhere);
             } else if !self.layout.has_room() {
-                node.place = Some(Place::Nowhere);
+                node.place = Some(Destination::Nowhere);
             } else {
                 node.inner.resize_with(count, Node::default);
                 if labels.len() == count && are_distinct(labels) {
@@ -377,7 +377,7 @@ impl<'a> Walk<'_, 'a> {
         }
         let node = node.filter(|node| node.place.is_none());
         let Some(node) = node else {
-            if let Kind::Number(number) = field.kind {
+            if let FieldType::Number(number) = field.kind {
                 return self.wire.skip(number, count);
             }
             return (0..count).try_for_each(|_| self.part(field.kind, None, "", &[], depth));
@@ -398,13 +398,13 @@ impl<'a> Walk<'_, 'a> {
     }
 }
 
-/// Whether a field names the elements of its sibling lists, as `name` does in `JointState`.
+/// Whether a field is a list of names for the elements of its sibling lists, such as `name` in `JointState`.
 fn are_names(field: &Field) -> bool {
     let is_called = field.name == "name" || field.name == "names" || field.name.ends_with("_names");
-    is_called && field.kind == Kind::Text && field.count != Count::One
+    is_called && field.kind == FieldType::Text && field.count != Count::One
 }
 
-/// Whether the names are unique.
+/// Whether all labels are unique, short and without control characters.
 fn are_distinct(labels: &[&str]) -> bool {
     let mut seen = HashSet::new();
     labels.iter().all(|label| {
@@ -424,7 +424,7 @@ fn long_list(path: &str) -> String {
     format!("{}, a list of more than {MOST_ELEMENTS}", quoted(path))
 }
 
-/// The time (s) that an object of JSON with seconds and nanoseconds is.
+/// The time (s) of a JSON object with seconds and nanoseconds.
 fn time_of(value: &Value) -> Option<f64> {
     let fields = value.as_object().filter(|fields| fields.len() == 2)?;
     let nanoseconds = fields.get("nanosec").or(fields.get("nsec"))?.as_f64()?;

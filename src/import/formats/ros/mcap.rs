@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use mcap::McapError;
 use mcap::records::{Channel as Connection, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Location, ReadError, quoted, read_damaged};
 
 use super::definitions::{Definitions, Version};
 use super::wire::Wire;
@@ -18,7 +18,7 @@ use crate::source::{Format, Source};
 const BLOCK: usize = 64 << 10;
 
 pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let io = |error: io::Error| ReadError::io(file, Place::File, &error);
+    let io = |error: io::Error| ReadError::io(file, Location::File, &error);
     let bytes = input.file().and_then(|file| file.metadata()).map_err(io)?;
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)

@@ -11,9 +11,9 @@ mod wire;
 use std::collections::HashMap;
 use std::io;
 
-use tautline_session::{Place, ReadError, quoted};
+use tautline_session::{Location, ReadError, quoted};
 
-use self::definitions::{Definitions, Kind};
+use self::definitions::{Definitions, FieldType};
 use self::layout::Layout;
 use self::wire::Wire;
 use crate::memory::MemoryBudget;
@@ -59,7 +59,7 @@ struct Topic {
     series: Vec<Rows>,
     /// Number of messages that do not match their type.
     unread: usize,
-    /// Whether frames beyond the maximum were left out.
+    /// Whether the topic has more frames than the maximum, which are left out.
     has_more_frames: bool,
 }
 
@@ -68,11 +68,11 @@ enum Decoder {
     /// By their type.
     Typed(Begin, Definitions),
     /// Transforms, with one series per frame.
-    Transforms(Begin, Definitions, Kind),
+    Transforms(Begin, Definitions, FieldType),
     Json,
 }
 
-/// Begins a message, if it is in the encoding that its topic has.
+/// Begins a message, if it is in the encoding of its topic.
 type Begin = for<'a> fn(&'a [u8]) -> Option<Wire<'a>>;
 
 impl Decoder {
@@ -107,7 +107,7 @@ struct Texts {
 }
 
 impl Recording {
-    /// Nothing yet; rows count in a budget.
+    /// An empty series whose rows take memory from `budget`.
     fn within(budget: &MemoryBudget) -> Self {
         Self {
             connections: HashMap::new(),
@@ -182,7 +182,7 @@ impl Recording {
                 (_, Some(notice)) => format!("found no topic with readings ({notice})"),
                 (None, None) => "found no messages, expected readings".to_owned(),
             };
-            return Err(ReadError::new(file, Place::File, message));
+            return Err(ReadError::new(file, Location::File, message));
         }
         if let Some(end) = end {
             notices.push(format!("{end}; it is read as far as possible"));
@@ -274,7 +274,7 @@ impl Topic {
                     true => name.trim_matches('/').replace('/', "."),
                     false => String::new(),
                 };
-                layout.read(definitions, Kind::Nested(0), &mut wire, &root)
+                layout.read(definitions, FieldType::Nested(0), &mut wire, &root)
             }),
             Decoder::Transforms(begin, definitions, kind) => {
                 let Some(mut wire) = begin(data) else {

@@ -1,9 +1,9 @@
-//! Messages as bytes. In CDR (XCDR1) of ROS 2 numbers stand at multiples of their size, counted from behind the four bytes
-//! that say the order; in ROS 1 one follows the other, least significant byte first.
+//! Messages as bytes. In CDR (XCDR1) of ROS 2 numbers are aligned to their size, counted after the four bytes that state the
+//! byte order; in ROS 1 they follow each other, least significant byte first.
 
 use super::definitions::Number;
 
-/// Parts of a message of ROS 1 that take no bytes: as many as no message has, so that a damaged type comes to an end.
+/// Maximum number of parts without bytes in a message of ROS 1, more than any message has, so that a damaged type ends.
 const MOST_EMPTY: usize = 1000;
 
 /// A message that is read from its beginning; `None` where it ends too early.
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn other_encodings_are_refused() {
-        // PL_CDR and XCDR2, and a message that is none.
+        // PL_CDR and XCDR2, and an invalid message.
         for message in [&[0, 3, 0, 0, 1][..], &[0, 7, 0, 0, 1], &[0, 1]] {
             assert!(Wire::cdr(message).is_none());
         }

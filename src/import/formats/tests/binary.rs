@@ -233,7 +233,7 @@ fn matlab_struct_arrays_are_tables() {
     assert_eq!((theta.values.len(), theta.values.at(11)), (12, 33.0));
 }
 
-/// An object as MATLAB writes it (scipy/scipy, pull request 23481): flags, name, type system, class, and what refers to its
+/// An object as MATLAB writes it (scipy/scipy, pull request 23481): flags, name, type system, class, and the reference to its
 /// properties, which are in an array without a name.
 #[test]
 fn matlab_objects_are_named_with_advice() {

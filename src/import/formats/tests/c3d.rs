@@ -14,7 +14,7 @@ fn seed(name: &str) -> Vec<u8> {
     std::fs::read(folder.join(name)).expect("a seed")
 }
 
-/// Puts bytes behind the first place where others stand.
+/// Writes bytes behind the first occurrence of `mark`.
 fn behind(bytes: &mut [u8], mark: &[u8], new: &[u8]) {
     let mut all = bytes.windows(mark.len());
     let at = all.position(|other| other == mark).expect("a mark") + mark.len();
@@ -133,7 +133,7 @@ fn many_points_have_all_their_names() {
 #[test]
 fn markers_are_proposed_as_those_of_a_text_export() {
     let mut source = read("a.c3d", seed("unsigned.c3d"));
-    // Faster than in the file, so that they are seen to move together.
+    // Faster than in the file, so that their common motion is detected.
     for channel in source.series[0].channels.iter_mut().step_by(3) {
         let values = channel.values.iter().enumerate();
         channel.values = values.map(|(row, x)| x + 50.0 * row as f64).collect();

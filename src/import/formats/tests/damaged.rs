@@ -53,7 +53,7 @@ fn damaged_files_are_read_or_refused_in_one_sentence() {
                                 .all(|text| text.codes.len() == series.rows)
                         );
                     }
-                    // Whatever was read has a proposal.
+                    // Every file that was read has a proposal.
                     if read % 5 == 0 {
                         let sources = [source];
                         let (recipe, _) = propose(&sources, &robot);

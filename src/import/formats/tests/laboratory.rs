@@ -17,7 +17,7 @@ fn tdms_of_nptdms_has_values_of_all_segments_with_times_and_units() {
         [
             channel("Winch1.Pos", Some("rev"), &[0.0, 1.5, 3.0, 4.5, 6.0]),
             channel("Winch2's Pos", Some("deg"), &[0.0, 10.0, 20.0, 30.0, 40.0]),
-            // Stored as 0, 2, 4, 6, 8 with the scale 3 x + 0.5.
+            // Stored as 0, 2, 4, 6, 8 with the scaling 3 x + 0.5.
             channel("Kraft", Some("N"), &[0.5, 6.5, 12.5, 18.5, 24.5]),
         ]
     );

@@ -4,7 +4,7 @@ use super::*;
 
 const LIMIT: u64 = 16 << 20;
 
-/// Refused within the limit, in one sentence that names it; read with the default limit.
+/// Asserts that a file is refused within the limit, in one sentence that names the limit, and read with the default limit.
 fn needs_more(name: &str, bytes: &[u8]) {
     assert!(bytes.len() < LIMIT as usize / 8, "{name} is no small file");
     let bench = Bench::new();

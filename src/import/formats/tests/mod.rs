@@ -1,4 +1,4 @@
-//! Files as recorders write them, by hand: every variant is read to the same channels, or refused in one sentence.
+//! Files as recorders write them, made by hand: every variant gives the same channels, or is refused in one sentence.
 
 mod any_types;
 mod binary;

@@ -1,5 +1,5 @@
-//! Workbooks that the libraries of others have written: `odfpy`, `openpyxl` and `xlwt`; and what OpenDocument writes once for many
-//! cells.
+//! Workbooks written by other libraries, `odfpy`, `openpyxl` and `xlwt`; and repeated cells of OpenDocument, which are written
+//! once.
 
 use super::binary::{archive, seed};
 use super::*;

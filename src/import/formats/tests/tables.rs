@@ -1,6 +1,6 @@
 use super::*;
 
-/// What all variants of one table hold.
+/// Common content of all variants of one table.
 fn expected() -> Content {
     vec![
         channel("t", Some("s"), &[0.0, 0.5, 1.0]),

@@ -1,4 +1,4 @@
-//! The names of channels that others use: what is proposed for them, and that nothing is proposed wrongly.
+//! Proposals for names of channels that other programs use: most are recognised, and none is assigned wrongly.
 
 mod random_logs;
 
@@ -15,18 +15,18 @@ use crate::units::split_heading;
 
 const NAMES: &str = include_str!("names.csv");
 
-/// Share of the names that have to be recognised.
+/// Required fraction of recognised names.
 const RECOGNISED: f64 = 0.9;
 
 /// Names of one quantity or one pose.
-struct Row<'a> {
+struct ChannelNames<'a> {
     names: Vec<&'a str>,
     unit: &'a str,
     values: &'a str,
     columns: Vec<&'a str>,
 }
 
-fn rows() -> impl Iterator<Item = Row<'static>> {
+fn rows() -> impl Iterator<Item = ChannelNames<'static>> {
     let lines = NAMES.lines().filter(|line| !line.starts_with('#'));
     lines.map(|line| {
         let cells: Vec<&str> = line.splitn(5, ';').collect();
@@ -34,7 +34,7 @@ fn rows() -> impl Iterator<Item = Row<'static>> {
             panic!("five cells, found {line}");
         };
         assert!(source.len() > 3, "a source of {names}");
-        Row {
+        ChannelNames {
             names: names.split('|').collect(),
             unit,
             values,
@@ -43,7 +43,7 @@ fn rows() -> impl Iterator<Item = Row<'static>> {
     })
 }
 
-/// The value of channel `k` of a row at a pose; cables are counted from 0, components of a pose as well.
+/// The value of channel `k` of a row at a pose; cables and components of a pose are counted from 0.
 fn value(data: &Measurements, what: &str, k: usize, row: usize) -> f64 {
     let pose = data.commanded[row].expect("commanded");
     let [w, x, y, z] = pose.orientation_wxyz();
@@ -84,7 +84,7 @@ fn value(data: &Measurements, what: &str, k: usize, row: usize) -> f64 {
 }
 
 /// A file with the channels of a row; patterns have one for each of eight cables.
-fn source(row: &Row<'_>, data: &Measurements) -> Source {
+fn source(row: &ChannelNames<'_>, data: &Measurements) -> Source {
     let mut channels = Vec::new();
     let mut add = |heading: &str, k: usize| {
         let (name, unit) = split_heading(heading);
@@ -125,7 +125,7 @@ fn source(row: &Row<'_>, data: &Measurements) -> Source {
     }
 }
 
-/// What is assigned wrongly, and the names that are recognised and missed.
+/// Names that are assigned wrongly, missed and recognised.
 #[derive(Default)]
 struct Score {
     wrong: Vec<String>,
@@ -135,7 +135,7 @@ struct Score {
 
 impl Score {
     /// Compares the proposal for a row with what is expected.
-    fn add(&mut self, row: &Row<'_>, robot: &Robot, data: &Measurements) {
+    fn add(&mut self, row: &ChannelNames<'_>, robot: &Robot, data: &Measurements) {
         let source = source(row, data);
         let (recipe, _) = propose(std::slice::from_ref(&source), robot);
         for (name, expected) in row.names.iter().zip(&row.columns) {

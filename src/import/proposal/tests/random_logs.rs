@@ -1,5 +1,5 @@
-//! Logs of channels with the names that others use: in any order, with other channels between them, in other units, with signs
-//! reversed. What is proposed is right, or a sentence says what is doubtful.
+//! Logs of channels with names of other programs: in any order, with other channels between them, in other units, with signs
+//! reversed. The proposal is right, or a sentence reports the doubt.
 
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{RngExt, SeedableRng};
@@ -8,7 +8,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, simulate};
 
-use super::{Row, rows, source};
+use super::{ChannelNames, rows, source};
 use crate::proposal::propose;
 use crate::source::{Channel, Source};
 use crate::{Imported, MemoryBudget, import_corrected};
@@ -20,8 +20,13 @@ const RIGHT: f64 = 0.95;
 const EQUAL: f64 = 1e-6;
 
 /// Rows of the list of names whose channels hold one of these kinds of values.
-fn of<'a>(all: &'a [Row<'static>], column: &str, values: &[&str]) -> Vec<&'a Row<'static>> {
-    let is_meant = |row: &&Row<'_>| row.columns[0] == column && values.contains(&row.values);
+fn of<'a>(
+    all: &'a [ChannelNames<'static>],
+    column: &str,
+    values: &[&str],
+) -> Vec<&'a ChannelNames<'static>> {
+    let is_meant =
+        |row: &&ChannelNames<'_>| row.columns[0] == column && values.contains(&row.values);
     all.iter().filter(is_meant).collect()
 }
 
@@ -31,7 +36,7 @@ struct Log {
     names: Vec<String>,
 }
 
-fn log(all: &[Row<'static>], data: &Measurements, rng: &mut ChaCha8Rng) -> Log {
+fn log(all: &[ChannelNames<'static>], data: &Measurements, rng: &mut ChaCha8Rng) -> Log {
     let wanted = [
         (1.0, of(all, "rev_{i}", &["rev", "rad", "deg"])),
         (0.8, of(all, "force_{i}_n", &["force", "kforce"])),
@@ -43,7 +48,7 @@ fn log(all: &[Row<'static>], data: &Measurements, rng: &mut ChaCha8Rng) -> Log {
         "-",
         &["velocity", "torque", "noise", "status", "constant"],
     );
-    let mut chosen: Vec<&Row<'_>> = Vec::new();
+    let mut chosen: Vec<&ChannelNames<'_>> = Vec::new();
     for (share, rows) in &wanted {
         if rng.random_bool(*share) {
             chosen.extend(rows.choose(rng).copied());
@@ -87,8 +92,11 @@ fn log(all: &[Row<'static>], data: &Measurements, rng: &mut ChaCha8Rng) -> Log {
 }
 
 /// The row whose channels are the winches of a log.
-fn chosen_rev<'a>(rows: &[&'a Row<'static>], channels: &[Channel]) -> &'a Row<'static> {
-    let is_there = |row: &&&Row<'_>| {
+fn chosen_rev<'a>(
+    rows: &[&'a ChannelNames<'static>],
+    channels: &[Channel],
+) -> &'a ChannelNames<'static> {
+    let is_there = |row: &&&ChannelNames<'_>| {
         let name = row.names[0].replace("{0}", "0").replace("{1}", "1");
         let (name, _) = crate::units::split_heading(&name);
         channels[0].name == name
@@ -141,7 +149,7 @@ fn proposals_for_random_logs_are_right_or_say_what_is_doubtful() {
             run.expect("measurements").dataset.measurements
         })
         .collect();
-    let all: Vec<Row<'static>> = rows().collect();
+    let all: Vec<ChannelNames<'static>> = rows().collect();
     let mut not_right = Vec::new();
     let mut silent = Vec::new();
     for seed in 0..LOGS {

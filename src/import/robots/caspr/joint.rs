@@ -10,7 +10,7 @@ use super::Element;
 
 use Coordinate::{Rx, Ry, Rz, X, Y, Z};
 
-/// How the variables of a joint state an orientation.
+/// Parametrisation of the orientation by the variables of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Rotation {
     /// One angle for each rotation: `R = Rx Ry Rz`.

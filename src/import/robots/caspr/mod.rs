@@ -62,7 +62,7 @@ pub(super) fn robot(
     robot_of(file, description, notices)
 }
 
-/// A platform, and the joint by which it moves if it is described.
+/// A platform, and the joint by which it moves, if described.
 struct Body {
     platform: Platform,
     joint: Option<Joint>,

@@ -23,7 +23,7 @@ fn read(files: &[(&str, &str)]) -> Result<Loaded<Robot>, String> {
     read_described(&paths).map_err(|error| error.to_string().replace(&prefix, ""))
 }
 
-/// What is written of a number: nothing where rounding would not change it.
+/// Text of a number; `None` if rounding leaves it unchanged.
 fn rounded(parameter: &Parameter, value: f64) -> Option<String> {
     (!parameter.is_unchanged(value)).then(|| parameter.written(value))
 }

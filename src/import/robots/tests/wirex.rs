@@ -73,7 +73,7 @@ fn variants_of_models_of_wirex() {
         robot.platform.free,
         [Coordinate::X, Coordinate::Y, Coordinate::Rz]
     );
-    // What WireX writes for a platform of which nobody has said anything.
+    // The output of WireX for a platform without any settings.
     let untold = WIREX
         .replace("mass=\"12.5\"", "mass=\"25\"")
         .replace("x=\"0\" y=\"0\" z=\"0.1\"", "x=\"0\" y=\"1\" z=\"0.2\"");

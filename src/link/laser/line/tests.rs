@@ -27,7 +27,7 @@ fn over_tcp(query: &str) -> (LineLaser, ManualClock, TcpStream, TcpListener) {
     (laser, clock, device, reader_thread)
 }
 
-/// Waits until something is so. It fails after long only, so that a busy machine does not.
+/// Waits until `get` returns a value; panics after a time that is long enough for a busy machine.
 fn until<T>(mut get: impl FnMut() -> Option<T>) -> T {
     for _ in 0..6000 {
         if let Some(found) = get() {
@@ -103,7 +103,7 @@ fn garbage_is_never_a_distance() {
     }
     device.write_all(b"\n").unwrap();
     troubled(&laser, "more than 256");
-    // Half a line says nothing until its end arrives.
+    // An incomplete line has no effect until its end arrives.
     device.write_all(b"10").unwrap();
     device.write_all(b"24.0").unwrap();
     device.write_all(b"\n").unwrap();
@@ -118,7 +118,7 @@ fn a_lost_connection_is_made_anew() {
     drop(device);
     troubled(&laser, "closed the connection");
     let (mut device, _) = reader_thread.accept().unwrap();
-    // What remained of the line before does not become part of the next.
+    // The rest of the previous line does not become part of the next one.
     device.write_all(b"0\n300\n").unwrap();
     shows(&laser, 0.3);
     drop((device, reader_thread));

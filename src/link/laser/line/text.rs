@@ -27,7 +27,7 @@ pub(super) enum LineContent {
 #[derive(Debug, Default)]
 pub(super) struct LineSplitter {
     line: Vec<u8>,
-    /// Whether the start of the present line was received.
+    /// Whether the present line was received from its start.
     whole: bool,
     too_long: bool,
 }

@@ -86,7 +86,7 @@ impl Balance {
     }
 }
 
-/// The factor of one sensor that explains most.
+/// The factor of one sensor that leaves the smallest imbalance.
 fn factor_of(cable: usize, poses: &[&Balance]) -> f64 {
     let (mut with, mut own) = (0.0, 0.0);
     for pose in poses {

@@ -204,7 +204,7 @@ impl Line {
         }
     }
 
-    /// Whether readings are a multiple of the predictions, beyond half of the `plausible` error.
+    /// Whether readings are a multiple of the predictions, with an error of more than half the `plausible` one.
     fn has_factor(&self, plausible: f64) -> bool {
         let off = (self.slope - 1.0).abs();
         self.correlation > OTHERS && off > FACTOR && off * self.expected_sd > 0.5 * plausible

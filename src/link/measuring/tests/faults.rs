@@ -1,4 +1,4 @@
-//! Which faults of instruments are noticed and named, on three robots, and how often a sound robot is suspected.
+//! Detection and naming of faults of instruments on three robots, and false alarms on sound robots.
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::presets::Preset;
@@ -17,7 +17,7 @@ const OTHER: usize = 3;
 /// Makes a fault of the pose before it begins.
 type MakeFault = fn(&Preset, &Measurements) -> Fault;
 
-/// What a fault is called, how it is made of the pose before it began, and the words that name it.
+/// Name of a fault, function that makes it from the pose before it begins, and words that have to be in the warning.
 struct Case {
     name: &'static str,
     fault: MakeFault,
@@ -177,7 +177,7 @@ fn others() -> Vec<Case> {
     ]
 }
 
-/// What was said of a run.
+/// Warnings and reasons of pauses of a run, and number of measured poses.
 #[derive(Default)]
 struct Said {
     texts: Vec<String>,
@@ -224,8 +224,8 @@ fn said(preset: &Preset, (seed, poses): (u64, usize), fault: Option<(i64, MakeFa
 /// Seeds of the runs, and labels of the poses after which the fault begins.
 const RUNS: [(u64, i64); 2] = [(21, 0), (24, 5)];
 
-/// Faults that are noticed but not named: the cable is told to be slack. In 40 other runs of each fault on each robot, two
-/// pairs of cables, this was so in 1 of 2,760; none was missed.
+/// Faults that are detected but not named: the warning is that the cable is slack. In 40 other runs of each fault on each
+/// robot, with two pairs of cables, this happened in 1 of 2,760; none was missed.
 const UNNAMED: &[(&str, &str, u64)] = &[("force half", "mini", 24)];
 
 #[test]
@@ -252,7 +252,7 @@ fn faults_are_noticed_and_named_with_their_cable() {
                 if !named {
                     unnamed.push((case.name, name, seed));
                 }
-                // Nobody reads a hundred sentences.
+                // An operator does not read a hundred warnings.
                 assert!(
                     said.texts.len() <= 30,
                     "{what}: {} warnings",

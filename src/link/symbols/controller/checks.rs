@@ -83,7 +83,7 @@ impl SymbolController {
         self.own_fault = Some(format!("another client commands it: {by}"));
     }
 
-    /// The number of the watchdog, in words, unless this program wrote it. Without a release nothing is confirmed while arming.
+    /// The number of the watchdog, in words, unless this program wrote it. `None` for a controller without a release.
     pub(super) fn foreign_count(&self) -> Option<String> {
         self.layout.status.release?;
         let (found, [first, last]) = (self.status.watchdog?, self.counted);

@@ -18,7 +18,7 @@ struct Plc {
     cycles: u64,
     /// Cycle from which on the switch is off.
     off_from: u64,
-    /// Whether the program shows its time.
+    /// Whether the program has a symbol for its time.
     has_clock: bool,
     wanted: Vec<RequiredSymbol>,
     memory: BTreeMap<String, Vec<f64>>,

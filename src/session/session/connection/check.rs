@@ -173,7 +173,7 @@ fn single(at: &str, name: &str) -> Checked {
     Ok(())
 }
 
-/// Whether a name is a node identifier: `ns=4;s=GVL_Tautline.moving`, `i=2257`.
+/// Whether a name is an OPC UA node identifier, such as `ns=4;s=GVL_Tautline.moving` or `i=2257`.
 fn is_node(name: &str) -> bool {
     let (first, rest) = name.split_once(';').unwrap_or((name, ""));
     let kind = if first.starts_with("ns=") {

@@ -40,7 +40,7 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// Whether nothing is set.
+    /// Whether all settings are the defaults.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()

@@ -30,7 +30,7 @@ pub enum ControllerKind {
 }
 
 impl ControllerKind {
-    /// Whether it is the simulated robot.
+    /// Whether the controller is simulated.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         *self == Self::Simulated

@@ -50,7 +50,7 @@ pub(crate) fn session() -> Session {
     with_the_later_steps(session)
 }
 
-/// The plan, the demonstration behind it, and what adjustment left.
+/// Adds a plan, the simulated robot of a demonstration, and the outcome of adjustments.
 fn with_the_later_steps(mut session: Session) -> Session {
     session.plan = vec![PlannedPose {
         label: 4,
@@ -186,7 +186,7 @@ fn an_acceptance_ends_when_the_controller_gets_other_values() {
     assert!(is_accepted(&written), "the accepted values again");
     written.add_adjustment(adjustment(2, 0.102, Outcome::Unsettled("lost".into())));
     assert!(!is_accepted(&written), "nobody knows");
-    // Earlier versions did not store what was accepted.
+    // Earlier versions did not store the values that were accepted.
     session.verifications[0]
         .accepted
         .as_mut()

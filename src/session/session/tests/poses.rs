@@ -68,7 +68,7 @@ fn a_pose_fills_the_columns_that_were_empty() {
     );
     assert_eq!(m.other[0].1, ["x", "y", ""]);
     reads_back(&session);
-    // And a pose with less fills up on its own side.
+    // A pose with fewer readings gets empty cells.
     let short = with_lengths(6, vec![1.0, 1.1]);
     session.append_pose(&short).expect("a pose");
     assert!(session.measurements.laser_at(3).is_nan());

@@ -104,7 +104,7 @@ fn what_is_saved_is_a_chain_that_stays_intact() {
     assert_eq!(entries[2].operator, "Ben");
     assert_eq!(read.trail().last_hash(), Some(entries[2].hash.as_str()));
     assert!(entries.iter().all(|entry| !entry.found));
-    // What confirms the values is the reading of those that were written.
+    // The values are confirmed by the values read back.
     let confirmed = &read.adjustments()[0].read_back;
     assert_eq!(confirmed.len(), 1);
     assert_eq!(confirmed[0].value, 0.01);
@@ -187,7 +187,7 @@ fn a_changed_reading_operator_or_log_is_said() {
         change(&mut json);
         let mut changed = read(json);
         assert_eq!(changed.audit(), expected, "{what}");
-        // Saving it again does not make it right.
+        // Saving again does not repair the trail.
         log(&mut changed, 20, "Opened.");
         changed.seal(&by("Eve"), time(20));
         assert_eq!(changed.audit(), expected, "{what}, saved");
@@ -228,7 +228,7 @@ fn a_session_of_an_earlier_version_opens_and_its_trail_begins_with_what_it_has()
     assert!(records.len() > steps, "adjustments and runs, too");
     assert_eq!(new.records[0].part, TrailPart::Log(steps));
     assert_eq!(new.records.len(), 4, "and robot, tables and poses");
-    // Its poses may have been imported, and may be imported again.
+    // The poses may have been imported, and may be imported again.
     assert_eq!(old.imported_poses(), old.measurements.labels);
 }
 
@@ -238,7 +238,7 @@ fn a_changed_robot_table_result_or_import_is_said() {
     type Change = fn(&mut Value);
     let mut saved = session();
     saved.seal(&by("Ada"), time(1));
-    // What the program changes, it records, an import that is taken back, too.
+    // The program records its own changes, including an import that is undone.
     saved.robot.name = "another".into();
     let more = "pose,length_1_m,length_2_m\n8,1,1\n";
     let before = saved.measurements.clone();
@@ -298,7 +298,7 @@ fn a_changed_robot_table_result_or_import_is_said() {
         change(&mut changed);
         let mut changed = read(changed);
         assert_eq!(changed.audit(), expected, "{what}");
-        // Saving it again does not make it right, however often, and killed meanwhile or not.
+        // Saving again does not repair the trail, even several times or after a kill.
         changed.seal(&by("Eve"), time(20));
         let mut changed = read(json_of(&changed));
         if !matches!(expected[0], Uncovered(_)) {
@@ -314,7 +314,7 @@ fn a_changed_robot_table_result_or_import_is_said() {
     }
 }
 
-/// A trail of a version that recorded what moved and what was written only.
+/// A trail of a version that recorded only motions and written values.
 #[test]
 fn a_trail_of_an_earlier_version_is_intact_and_covers_more_from_then_on() {
     let mut json = json_of(&sealed());
@@ -362,7 +362,7 @@ fn what_was_concluded_before_a_kill_is_covered_after_it() {
     begun.seal(&by("Ada"), time(4));
     assert!(begun.conclude_adjustment(Outcome::RolledBack, None, time(5)));
     log(&mut begun, 5, "Rolled back.");
-    // What waits for the next entry is in no file.
+    // Records for the next entry are not in the file.
     let mut left = read(json_of(&begun));
     let expected = [
         TrailFault::Changed(TrailPart::Adjustment(1), 3),
@@ -373,7 +373,7 @@ fn what_was_concluded_before_a_kill_is_covered_after_it() {
     assert_eq!(left.audit(), []);
     left.seal(&by("Ben"), time(6));
     assert_eq!(read(json_of(&left)).audit(), []);
-    // It makes nothing else right.
+    // It repairs no other fault.
     let mut json = json_of(&sealed());
     json["adjustments"][0]["operator"] = json!("Eve");
     let mut changed = read(json);

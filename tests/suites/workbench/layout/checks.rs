@@ -1,4 +1,4 @@
-//! What is seen of a window, and what is wrong with it.
+//! Visible elements of a window, and faults of its layout.
 
 use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
@@ -46,15 +46,15 @@ const FIELD_MARGINS: f32 = 8.0;
 /// Height of the bar at the bottom, at most (points).
 const BAR: f32 = 40.0;
 
-/// Something that is seen, with its name.
+/// A visible element with its name.
 #[derive(Debug)]
 pub struct Seen {
     role: Role,
     name: String,
-    /// What is typed into a field.
+    /// Text of a field.
     value: String,
     rect: Rect,
-    /// With what of it cannot be seen.
+    /// Rectangle including the part that cannot be seen.
     whole: Rect,
 }
 
@@ -67,7 +67,7 @@ impl Seen {
         self.role == Role::TextInput && self.name.contains(" of cable-")
     }
 
-    /// Whether its text is wider than its field, whose frame and margin take some of it.
+    /// Whether the text is wider than the field without its margins.
     pub fn is_too_narrow(&self, harness: &Harness<'_, App>) -> bool {
         let font = egui::TextStyle::Body.resolve(&harness.ctx.global_style());
         let text = self.value.clone();
@@ -82,7 +82,7 @@ impl Seen {
     }
 }
 
-/// What is on the screen: of what a scroll area has moved away, the part that can be seen.
+/// Elements on the screen; of those in a scroll area, the visible part.
 pub fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
     let visible = visible(harness);
     let nodes = harness.root().children_recursive();
@@ -96,7 +96,7 @@ pub fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
             let own = own.copied();
             let parts: Vec<(Rect, Rect)> = match own {
                 Some(own) => vec![own],
-                // Text that flows around what is bold is a widget in each of its lines. What is scrolled away has none.
+                // Text that flows around bold words has a widget for each line; text that is scrolled away has none.
                 None if inner.role() == Role::Label => {
                     let lines = node.children().map(|line| line.rect());
                     let seen = lines.map(|line| {
@@ -144,7 +144,7 @@ fn is_part(role: Role) -> bool {
     )
 }
 
-/// What is wrong with what is seen between the bars at the top and at the bottom.
+/// Layout faults between the bars at the top and at the bottom.
 pub fn faults(harness: &Harness<'_, App>) -> Vec<String> {
     faults_of(harness.ctx.content_rect(), &seen(harness))
 }
@@ -169,7 +169,7 @@ fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
             ));
         }
     }
-    // What a panel has scrolled away lies behind the bars; it is not seen.
+    // Elements that a panel has scrolled away lie behind the bars and are invisible.
     let between = window
         .with_min_y(window.min.y + 36.0)
         .with_max_y(window.max.y - BAR);
@@ -177,7 +177,7 @@ fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
     faults
 }
 
-/// What is wrong with the bar at the bottom, in which nothing is scrolled.
+/// Layout faults of the bar at the bottom, in which nothing is scrolled.
 pub fn faults_at_the_bottom(harness: &Harness<'_, App>) -> Vec<String> {
     let window = harness.ctx.content_rect();
     let bar = window.with_min_y(window.max.y - BAR);
@@ -213,7 +213,7 @@ fn overlaps(all: &[Seen], area: Rect) -> Vec<String> {
     faults
 }
 
-/// Looks at the present screen in both themes, all sizes and scales.
+/// Checks the present screen in both themes, all sizes and scales.
 pub fn check(harness: &mut Harness<'_, App>, what: &str) {
     check_in(harness, what, &in_pairs());
 }
@@ -225,11 +225,11 @@ pub fn check_in(harness: &mut Harness<'_, App>, what: &str, appearances: &[Appea
     });
 }
 
-/// Something that is done to the window.
+/// An action on the window.
 type Act<'a> = &'a mut dyn FnMut(&mut Harness<'_, App>);
 
-/// What is wrong with a window that is opened over the screen and closed again: it is looked at alone, and all of it
-/// has to be in the window of the program.
+/// Checks the layout of a dialog, which is opened above the screen and closed again: it is checked alone, and has to be
+/// completely inside the window of the program.
 pub fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [Act<'_>; 2]) {
     check_with(harness, what, &in_pairs(), &mut |harness| {
         harness.run_ok();
@@ -258,7 +258,7 @@ pub fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [
     });
 }
 
-/// Finds faults in windows that look so.
+/// Finds layout faults in windows of these appearances.
 pub fn check_with(
     harness: &mut Harness<'_, App>,
     what: &str,

@@ -78,7 +78,7 @@ fn attempt(
     holds
 }
 
-/// A mixture is left as it is until the operator arms the controller again.
+/// A mixture of values is left until the operator arms the controller again.
 fn settled(
     plant: &Plant,
     mut client: GuardedController<SymbolController>,

@@ -1,4 +1,4 @@
-//! Readings that a controller sends on its own, from servers that others wrote.
+//! Readings that a controller sends on its own, from independent servers.
 
 use std::time::{Duration, Instant};
 
@@ -6,12 +6,12 @@ use tautline_link::{Controller, Sample};
 use tautline_validation::support::ads::symbols::Style;
 use tautline_validation::support::ads::{Plant, Protocol};
 
-/// Between two readings that are sent (s).
+/// Interval between two readings that are sent (s).
 const CYCLE_S: f64 = 0.01;
-/// How long a test waits for what has to come.
+/// Time limit for expected messages.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Samples until so many were sent: those that were asked for, and those that were sent.
+/// Samples until `count` were sent: the polled ones, and those that the controller sent.
 fn samples(client: &mut dyn Controller, count: usize) -> (Vec<Sample>, Vec<Sample>) {
     let begun = Instant::now();
     let (mut asked, mut sent) = (Vec::new(), Vec::new());
@@ -34,7 +34,7 @@ fn what_encrypted_opc_ua_sends_is_what_is_read() {
     what_is_sent_is_what_is_read(Protocol::OpcUaEncrypted);
 }
 
-/// The time of the controller moves on with each sample that is asked for.
+/// The time of the controller advances with each polled sample.
 fn what_is_sent_is_what_is_read(protocol: Protocol) {
     let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
@@ -47,7 +47,7 @@ fn what_is_sent_is_what_is_read(protocol: Protocol) {
         let Some(read) = asked.iter().find(|read| read.time_s == sample.time_s) else {
             continue;
         };
-        // Whether it started anew is part of the state, not of what is shown.
+        // The start of the controller is part of its state, not of the shown readings.
         let sample = Sample {
             started: read.started,
             ..sample.clone()

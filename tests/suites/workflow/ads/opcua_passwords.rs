@@ -29,7 +29,7 @@ impl Desk {
         Self { server, folder }
     }
 
-    /// What a keyring has of the user.
+    /// Item of the user in a keyring.
     fn item(&self, secret: &str) -> StoredItem {
         let service = format!("Tautline {}", self.server.url().origin());
         let attributes = [("service", service.as_str()), ("username", USER)];
@@ -51,7 +51,7 @@ impl Desk {
     }
 }
 
-/// Whether the user was accepted: the variables are there, but no program behind them that takes part in arming.
+/// Whether the user was accepted: the variables exist, but no program that takes part in arming.
 fn is_accepted(answer: &Answer) -> bool {
     answer.stderr.contains("its time changed")
 }

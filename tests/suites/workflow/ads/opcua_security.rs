@@ -58,7 +58,7 @@ pub(super) fn client(
     controller(server, &mapping, &robot, clock).expect("a mapping that fits")
 }
 
-/// Why it cannot connect.
+/// Reason why a client cannot connect.
 pub(super) fn refused(address: OpcUaAddress, credentials: Credentials) -> LinkError {
     let mut client = client(address, credentials, 20.0);
     let error = client.connect().expect_err("refused");
@@ -108,7 +108,7 @@ fn keys_are_renewed_before_they_expire() {
     }));
     let mut client = client(server.url(), server.credentials(), 3.0);
     client.connect().expect("connected");
-    // Live values are on their way meanwhile, under the keys before.
+    // Live values are in transit meanwhile, under the previous keys.
     client.subscribe(0.05).expect("it sends");
     for turn in 0..3 {
         std::thread::sleep(Duration::from_millis(3100));
@@ -266,7 +266,7 @@ fn a_password_is_never_sent_where_others_can_read_it() {
         told.contains("without encryption that Tautline has"),
         "{told}"
     );
-    // A server that takes it encrypted takes it on an open channel, too.
+    // A server that accepts the password encrypted also accepts it on an open channel.
     let both = server(json!({"policies": ["NoSecurity", "Basic256Sha256_SignAndEncrypt"]}));
     let mut client = client(open(&both), both.credentials(), 20.0);
     client.connect().expect("connected");
@@ -337,7 +337,7 @@ fn a_server_is_trusted_and_a_password_given_on_the_command_line() {
         "{}",
         refused.stderr
     );
-    // The variables are there, but no program behind them that takes part in arming.
+    // The variables exist, but no program that takes part in arming.
     let alone = measure(Some(PASSWORD), &[]);
     assert_eq!(alone.code, Some(1), "{}", alone.stderr);
     assert!(alone.stderr.contains("time"), "{}", alone.stderr);

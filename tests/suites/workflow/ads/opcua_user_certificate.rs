@@ -217,7 +217,7 @@ fn a_session_keeps_the_paths_of_a_user_and_never_the_key() {
     let mut command = measuring(&folder, &controller, None, &trusting);
     command.current_dir(users.0.path());
     let answer = program::run(&mut command);
-    // The variables are there, but no program behind them that takes part in arming.
+    // The variables exist, but no program that takes part in arming.
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);
     assert!(
         answer.stderr.contains("its time changed"),

@@ -1,4 +1,4 @@
-//! docs/ADS.md agrees with what the program expects.
+//! docs/ADS.md agrees with the program.
 
 use std::path::Path;
 

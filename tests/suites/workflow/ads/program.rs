@@ -1,4 +1,4 @@
-//! The program itself, through real frames: the whole loop as a user runs it, and what interrupts it.
+//! The program itself, through real frames: the whole loop as a user runs it, and interruptions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
@@ -25,7 +25,7 @@ pub(super) fn session(path: &str) -> Session {
     read.unwrap_or_else(|error| panic!("{error}")).value
 }
 
-/// What the controller holds, by a client of its own.
+/// Values of the controller, read by another client.
 fn held(plant: &Plant) -> BTreeMap<String, f64> {
     let mut reader = plant.client();
     reader.connect().expect("connected");
@@ -40,7 +40,7 @@ fn drawn() -> BTreeMap<String, f64> {
     parameters.map(|p| (p.name, p.value)).collect()
 }
 
-/// Verifies, and types what a tracker measures where the program asks for it; largest AP (m).
+/// Verifies, and types the poses of a tracker when the program asks for them; returns the largest AP (m).
 fn verified(user: &User, words: &[&str], stage: &str, tracker: &mut SimulatedTracker) -> f64 {
     let mut typed = 0;
     let answer = heard(user.start(words), |line, child| {

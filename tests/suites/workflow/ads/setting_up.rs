@@ -1,4 +1,4 @@
-//! What is found when a connection is made, and what a client may do before and after it is armed.
+//! Checks when a connection is made, and permissions of a client before and after arming.
 
 use serde_json::json;
 use tautline_core::geometry::Pose;
@@ -225,7 +225,7 @@ fn a_withdrawn_release_disarms(protocol: Protocol) {
     client.arm().expect("armed again");
     client.sample().expect("a sample");
     assert!(client.state().armed);
-    // Whoever arms again before that was noticed has armed.
+    // A client that arms again before this was noticed is armed.
     plant
         .server
         .order(json!({"set": {global("release"): [false]}}));

@@ -1,4 +1,4 @@
-//! check: what it says of a dataset before identification, and its exit code.
+//! check: its statements about a dataset before identification, and its exit code.
 
 use super::program::{Folder, assert_valid, tautline};
 
@@ -28,7 +28,7 @@ fn change_poses(run: &str, change: impl FnOnce(&[String], &mut Vec<Vec<String>>)
 fn a_good_dataset_is_ready() {
     let folder = Folder::new();
     let run = simulated(&folder);
-    // What takes seconds is evaluated on request.
+    // The evaluation that takes seconds is made on request only.
     let quick = tautline(&["check", &run, "--json", "-"]).succeeded().json();
     assert_valid(&quick);
     assert_eq!(quick["ready"], true);
@@ -161,7 +161,7 @@ fn readings_that_determine_nothing_are_refused_where_they_are() {
             "{name}: {}",
             answer.stdout
         );
-        // Commands that use other readings only say it.
+        // Commands that use other readings only report it.
         let poses = folder.join("poses.csv");
         let answer = tautline(&["export", &run, "--out", &poses]).succeeded();
         assert!(

@@ -51,7 +51,7 @@ fn examples(words: &[&str]) -> Vec<String> {
     lines.map(|line| line.trim().to_owned()).collect()
 }
 
-/// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
+/// Words of examples that need more than the program: files of the user, a controller, typed answers, a long time.
 const NEED_MORE: [&str; 13] = [
     "--hypothesis",
     "--record",

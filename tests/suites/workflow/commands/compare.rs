@@ -7,7 +7,7 @@ use tautline_session::{PhaseData, write_dataset};
 
 use super::program::{Folder, assert_number, assert_valid, tautline};
 
-/// Writes a run of the robot as it truly is, described by the drawing.
+/// Writes a run of a true robot that is described by the drawing.
 pub(super) fn write_run(folder: &Folder, name: &str, truth: &Robot, seed: u64) -> String {
     let preset = presets::find("mini").expect("a preset");
     let options = SimulationOptions {

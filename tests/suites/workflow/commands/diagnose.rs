@@ -20,10 +20,10 @@ fn diagnose(dataset: &str, more: &[&str]) -> Answer {
     tautline(&arguments).succeeded()
 }
 
-/// Whether a value is of the type that the file format requires.
+/// Returns whether a value is of the type that the file format requires.
 type OfType = fn(&Value) -> bool;
 
-/// Insists that every key is there and of its type.
+/// Asserts that every key exists and has its type.
 fn assert_keys(value: &Value, keys: &[(&str, OfType)]) {
     for (pointer, of_type) in keys {
         let found = value.pointer(pointer);

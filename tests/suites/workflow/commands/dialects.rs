@@ -1,4 +1,4 @@
-//! import and export of the texts in which firmware and simulators describe robots. What is written is judged in
+//! import and export of the texts in which firmware and simulators describe robots. The written texts are checked in
 //! `tests/suites/python/test_dialects.py`.
 
 use super::program::{Folder, tautline};

@@ -137,7 +137,7 @@ fn other_failures_end_with_code_1() {
     }
 }
 
-/// How often a message has what the system says.
+/// Number of error texts of the operating system in a message.
 fn said_by_the_system(message: &str) -> usize {
     message.matches("os error").count()
 }

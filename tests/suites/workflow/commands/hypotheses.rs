@@ -1,4 +1,4 @@
-//! Effects of the user as text: the page, the files beside a dataset, model files and sessions, and what is refused.
+//! Effects of the user as text: the page, the files beside a dataset, model files and sessions, and refusals.
 
 use serde_json::Value;
 use tautline_core::effect::{EffectSetting, Hypothesis, every_effect};
@@ -202,7 +202,7 @@ fn hypotheses_in_the_settings_folder_are_found_and_a_broken_one_stops_nothing() 
     let found = with_settings(&settings, &diagnose).succeeded().json();
     assert_eq!(found["findings"][0]["effect"], "encoder_crosstalk");
 
-    // What is beside the dataset counts more.
+    // The file beside the dataset takes precedence.
     std::fs::create_dir(folder.path().join("bad/effects")).expect("a folder");
     let nearer = text.replace("0.03]", "0.02]");
     let nearer = folder.write("bad/effects/crosstalk.toml", &nearer);
@@ -231,7 +231,7 @@ fn the_gallery_has_one_entry_for_each_effect() {
     tautline(&arguments).succeeded();
     let page = std::fs::read_to_string(&out).expect("a page");
     let entries = page.matches("<h2>").count();
-    // One more says how to read it, and one is the hypothesis.
+    // One more is the legend, and one is the hypothesis.
     assert_eq!(entries, every_effect().count() + 2);
     for effect in every_effect() {
         let title = effect.title().replace('\'', "&#39;");

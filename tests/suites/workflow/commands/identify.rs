@@ -81,7 +81,7 @@ fn a_fit_that_does_not_converge_has_an_exit_code_of_its_own() {
     let folder = Folder::new();
     let dataset = simulate(&folder, "mini", 12, &[]);
     let mut robot = folder.json("data/robot.json");
-    // A number, but none of which the squares of residuals are finite.
+    // A valid number, with which the squares of residuals are not finite.
     robot["laser"]["sd_m"] = 1e-160.into();
     folder.write("data/robot.json", &robot.to_string());
     let answer = tautline(&["identify", &dataset]);
@@ -262,7 +262,7 @@ fn statistics_are_written_reading_by_reading_and_value_by_value() {
     );
 }
 
-/// Whatever takes a dataset takes a session, with the method and the effects that it states.
+/// Commands that take a dataset also take a session, with its method and effects.
 #[test]
 fn sessions_are_taken_wherever_datasets_are() {
     let folder = Folder::new();
@@ -297,7 +297,7 @@ fn sessions_are_taken_wherever_datasets_are() {
         let table = std::fs::read_to_string(&table).expect("a table");
         assert!(table.starts_with("name,unit,controller,identified,difference,sd"));
     }
-    // What is for a controller is not done silently without one.
+    // Options for a controller are refused without one.
     let table = folder.join("unarmed.csv");
     for more in [
         &[][..],

@@ -1,4 +1,4 @@
-//! plan: the poses it writes, what it promises, and what it refuses.
+//! plan: its poses, its predictions, and its refusals.
 
 use super::program::{Folder, assert_valid, number, tautline};
 

@@ -1,9 +1,9 @@
-//! What the built program answers, checked.
+//! Checks of the output of the built program.
 
 use serde_json::Value;
 pub use tautline_validation::support::program::{Answer, Folder, tautline};
 
-/// Insists that the document satisfies the schema that the program publishes for it.
+/// Asserts that the document satisfies the schema that the program publishes for it.
 pub fn assert_valid(document: &Value) {
     let folder = Folder::new();
     tautline(&["schemas", "--out", &folder.join("s")]).succeeded();
@@ -21,7 +21,7 @@ pub fn number(document: &Value, pointer: &str) -> f64 {
     value.unwrap_or_else(|| panic!("no number {pointer} in {document}"))
 }
 
-/// Insists that a number in a document is this one.
+/// Asserts the value of a number in a document.
 pub fn assert_number(document: &Value, pointer: &str, expected: f64, tolerance: f64) {
     let found = number(document, pointer);
     assert!(

@@ -1,4 +1,4 @@
-//! replay. What it computes is judged with MuJoCo in `tests/suites/python/test_simulators.py`.
+//! replay. Its figures are checked with MuJoCo in `tests/suites/python/test_simulators.py`.
 
 use std::fs;
 

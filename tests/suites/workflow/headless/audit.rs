@@ -1,4 +1,4 @@
-//! The audit trail: what moved and what was written is in it, and a change of the file afterwards is said.
+//! The audit trail: it contains motions and written values, and a later change of the file is reported.
 
 use serde_json::{Value, json};
 
@@ -52,7 +52,7 @@ fn what_moved_and_what_was_written_is_in_the_trail() {
     );
     let values = session(&file).adjustments()[0].changes.len();
     let written = format!("adjustment 1 ({values} values)");
-    // When it is begun, and with its outcome.
+    // Once when it is begun, and once with its outcome.
     let times = what.iter().filter(|what| what.contains(&written)).count();
     assert_eq!(times, 2, "{what:?}");
     let confirmed = session(&file).adjustments()[0].read_back.clone();
@@ -120,7 +120,7 @@ fn a_change_by_hand_is_said_and_stays_said() {
         assert!(text.starts_with(said), "{text}");
         assert!(audit(&path, &[]).stdout.contains(said));
     }
-    // A command that opens the session says it, too, and saving it again makes nothing right.
+    // A command that opens the session reports it, too, and saving again does not repair the trail.
     let path = changed(&folder, &file, |json| {
         json["log"][1]["text"] = json!("Nothing.");
     });

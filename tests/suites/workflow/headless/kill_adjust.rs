@@ -13,7 +13,7 @@ use crate::commands::program::{Folder, tautline};
 
 const KILLS: usize = 50;
 
-/// What a simulated controller holds, from the files alone.
+/// Values of a simulated controller according to the files alone.
 fn held(file: &str) -> Vec<NamedValue> {
     match std::fs::read_to_string(format!("{file}.controller")) {
         Ok(text) => {

@@ -1,4 +1,4 @@
-//! What the commands with a robot refuse, in one sentence.
+//! Refusals of the commands with a robot, each in one sentence.
 
 use std::process::{Command, Stdio};
 use std::thread::sleep;
@@ -195,14 +195,14 @@ fn typed_readings_need_a_terminal() {
     .succeeded();
     let sim = ["--controller", "sim", "--robot", "mini", "--arm"];
     let measure = [&["measure", &file, "--plan", &plan], sim.as_slice()].concat();
-    // Nobody there: the robot does not move.
+    // Without an operator the robot does not move.
     tautline(&[&measure, ["--laser", "manual"].as_slice()].concat()).refused(&[
         "not moved",
         "laser distances have to be typed",
         "terminal",
     ]);
     assert!(!std::path::Path::new(&file).exists());
-    // Somebody who types once: what is measured stays.
+    // An operator who types once: the measured pose is kept.
     let mut child = Command::new(program())
         .args(&measure)
         .args(["--laser", "manual"])

@@ -1,4 +1,4 @@
-//! `measure --until`: poses are decided on one by one, also by a run that is killed, and what cannot be is refused.
+//! `measure --until`: poses are decided on one by one, also by a run that is killed, and impossible requests are refused.
 
 use std::path::Path;
 use std::time::Instant;

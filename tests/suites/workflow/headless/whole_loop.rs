@@ -61,7 +61,7 @@ fn the_loop_improves_the_accuracy_of_the_robot() {
     assert_eq!(stages, [Stage::Before, Stage::After]);
     assert_eq!(kept.adjustments()[0].outcome, Outcome::Written);
     assert!(!kept.adjustments()[0].changes.is_empty());
-    // What was measured elsewhere is taken as well as what was measured here.
+    // Poses measured elsewhere are accepted like those measured here.
     let again = tautline(&["verify", &file, "--check", &check, "--json", "-"]);
     assert_eq!(again.succeeded().json()["after"], after["after"]);
 
@@ -76,7 +76,7 @@ fn the_loop_improves_the_accuracy_of_the_robot() {
             .find(|held| held.name == change.name);
         assert_eq!(held.map(|held| held.value), Some(change.before));
     }
-    // A correction that the model lacks is ended together with what is written.
+    // A correction that the model lacks is set to neutral together with the written values.
     let name = "effect.winch_scale.cable-3.scale";
     let mut corrected = rolled;
     corrected.controller.push(NamedValue {
@@ -109,7 +109,7 @@ fn results_of_the_published_method_are_written() {
     };
     run(&["measure", "--robot", "mini"]);
     run(&["verify"]);
-    // It uses up its steps here, so that somebody has to want its values.
+    // It ends at its limit of steps here, so its values are written only if allowed.
     let refused = tautline(&[&["adjust", "--method", "published", &file], &sim[..]].concat());
     assert_eq!((refused.code, refused.stdout.as_str()), (Some(1), ""));
     let told = &refused.stderr;
@@ -126,7 +126,7 @@ fn results_of_the_published_method_are_written() {
         (&"written".into(), &"published".into())
     );
     let [[ap, at], [ap_after, at_after]] = figures(&run(&["verify"]));
-    // The method takes cables as rigid and home as known, so what it gains depends on the robot; no promise is made.
+    // The method takes cables as rigid and home as known, so its gain depends on the robot and is not checked.
     println!(
         "published: AP {ap:.3} -> {ap_after:.3} mm, AT of the circle {at:.3} -> {at_after:.3} mm"
     );
@@ -157,7 +157,7 @@ fn a_replayed_recording_keeps_its_hidden_effect() {
     let m = session(&file).measurements;
     assert_eq!(m.revolutions, recorded.dataset.measurements.revolutions);
     assert_eq!(m.laser_m, recorded.dataset.measurements.laser_m);
-    // A recording cannot be written to: that is told, and recorded.
+    // A recording cannot be written to: this is reported and recorded.
     let answer = tautline(&[&["adjust", &file], robot.as_slice()].concat());
     assert_eq!(answer.code, Some(1));
     assert!(answer.stderr.contains("a recording"), "{}", answer.stderr);

@@ -1,4 +1,4 @@
-//! Whatever happens to disks, processes and files of a study: what is merged is right, or nothing is.
+//! Faults of disks, processes and files of a study: the merged result is right, or nothing is merged.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -125,7 +125,7 @@ fn no_damage_of_a_chunk_changes_the_result() {
         damaged[place] ^= 1 << (place % 8);
         fs::write(&chunk, &damaged).expect("written");
         match merge(&plan, &folder) {
-            // What is not refused is nothing that counts, such as a date of the archive.
+            // Bytes whose change is not refused are irrelevant, such as a date of the archive.
             Ok(result) => assert_eq!(result, whole, "byte {place}"),
             Err(error) => {
                 refused += 1;

@@ -10,7 +10,7 @@ use tautline_validation::support::program::program;
 
 use super::{Study, merged, tautline};
 
-/// How long anything may take.
+/// Time limit for each step.
 const PATIENCE: Duration = Duration::from_secs(120);
 const CHUNKS: usize = 24;
 

@@ -1,4 +1,4 @@
-//! study: plan, run in pieces, merge, report; what is refused; whatever happens to its processes, the same result.
+//! study: plan, run in pieces, merge, report; refusals; the same result despite interruptions of its processes.
 
 mod harm;
 mod hyperqueue;
@@ -84,7 +84,7 @@ fn the_result_is_the_same_however_it_was_cut() {
         }
         assert!(merged(&folder) == whole, "{name}");
     }
-    // What is there is not done again.
+    // Existing chunks are not repeated.
     let again = tautline(&["study", "run", &study.path]).succeeded();
     assert!(
         again.stdout.contains("0 chunks done, 4 existed"),

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use tautline_link::Controller;
 use tautline_session::Outcome;
-use tautline_validation::support::ads::unruly::{Action, Kind};
+use tautline_validation::support::ads::unruly::{Action, RequestKind};
 use tautline_validation::support::ads::{Host, Plant};
 use tautline_validation::support::program::{Folder, tautline};
 
@@ -34,7 +34,7 @@ fn a_half_written_adjustment_is_settled_before_anything_else() {
     let old = held(&plant);
     plant
         .server
-        .fault(Kind::Write, 1, Action::DownAfterValues(9));
+        .fault(RequestKind::Write, 1, Action::DownAfterValues(9));
     let broken = with(&["adjust", "--arm", "--json", "-"]);
     assert_eq!(broken.code, Some(1), "{}", broken.stderr);
     assert!(broken.stderr.contains("not known"), "{}", broken.stderr);
@@ -93,9 +93,9 @@ fn a_roll_back_is_settled_and_finished_as_well() {
     let new = held(&plant);
     plant
         .server
-        .fault(Kind::Write, 1, Action::DownAfterValues(5));
+        .fault(RequestKind::Write, 1, Action::DownAfterValues(5));
     let mut child = start(&roll_back);
-    wait_until(&mut child, || plant.server.count(Kind::Write) >= 3);
+    wait_until(&mut child, || plant.server.count(RequestKind::Write) >= 3);
     child.kill().expect("it runs");
     child.wait().expect("it ends");
     plant.server.up();
@@ -116,7 +116,9 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
         let file = measured(&folder, "s.json");
         let adjust = armed(&file, &controller);
         // The answer to the last block is late: all values are there, and the program does not know.
-        plant.server.fault(Kind::Write, 2, Action::Late(60_000));
+        plant
+            .server
+            .fault(RequestKind::Write, 2, Action::Late(60_000));
         let before = plant.server.values();
         let mut child = start(&adjust);
         wait_until(&mut child, || plant.server.values() >= before + VALUES);
@@ -191,7 +193,7 @@ fn nothing_is_written_once_the_release_is_gone() {
         "{}",
         answer.stderr
     );
-    // The request that was under way, and none after it.
+    // The request in progress, and none after it.
     assert!(plant.server.values() <= 16, "{}", plant.server.values());
     assert!(matches!(last_outcome(&file), Outcome::Unsettled(_)));
     assert_eq!(
@@ -251,8 +253,10 @@ fn short_answers_never_become_values() {
         let file = measured(&folder, "s.json");
         let controller = controller(&plant);
         let adjust = armed(&file, &controller);
-        // What is read there would be the values to roll back to.
-        plant.server.fault(Kind::Read, number, Action::Short(64));
+        // These readings would be the values for rolling back.
+        plant
+            .server
+            .fault(RequestKind::Read, number, Action::Short(64));
         tautline(&adjust);
         plant.server.forgive();
         tautline(&[adjust.as_slice(), &["--roll-back"]].concat());
@@ -473,7 +477,9 @@ fn the_timeout_is_an_option_that_the_session_keeps() {
     let sim = ["adjust", &file, "--controller", "sim", "--timeout", "2"];
     tautline(&sim).refused(&["--timeout: found the controller sim"]);
     // The first symbol is looked up too slowly.
-    plant.server.fault(Kind::Lookup, 1, Action::Late(900));
+    plant
+        .server
+        .fault(RequestKind::Lookup, 1, Action::Late(900));
     let late = with(&["--timeout", "0.3"]);
     assert_eq!(late.code, Some(1), "{}", late.stderr);
     let expected = "did not answer within 0.3 s when asked for the symbol GVL_Tautline.";

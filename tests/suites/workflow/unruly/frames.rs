@@ -1,11 +1,11 @@
-//! Answers that are no answers: a client believes no length, waits no longer than it may, and never panics.
+//! Invalid answers: a client trusts no length, waits no longer than its timeout, and never panics.
 
 use std::time::{Duration, Instant};
 
 use tautline_link::ads::AdsOptions;
 use tautline_link::{Controller, LinkError};
 use tautline_validation::support::ads::Plant;
-use tautline_validation::support::ads::unruly::{Action, Kind, Unruly};
+use tautline_validation::support::ads::unruly::{Action, RequestKind, Unruly};
 
 use super::client;
 
@@ -36,7 +36,7 @@ fn read_with(plant: &Plant<Unruly>, action: Action) -> String {
         expected.iter().all(|diameter| *diameter > 0.01),
         "{expected:?}"
     );
-    plant.server.fault(Kind::Read, 1, action.clone());
+    plant.server.fault(RequestKind::Read, 1, action.clone());
     let told = is_lost(client.read(&drums()), &action);
     assert!(!client.state().armed);
     client.connect().expect("connected again");
@@ -65,13 +65,13 @@ fn short_answers_are_not_believed_in_samples_and_descriptions_either() {
     let plant = Plant::unruly();
     let mut robot = client(&plant);
     for action in [Action::Short(8), Action::Padded(8)] {
-        plant.server.fault(Kind::Read, 1, action.clone());
+        plant.server.fault(RequestKind::Read, 1, action.clone());
         is_lost(robot.sample(), &action);
         robot.connect().expect("connected again");
     }
     robot.disconnect();
     for action in [Action::Short(1), Action::Padded(1), Action::Less(12)] {
-        plant.server.fault(Kind::Lookup, 3, action.clone());
+        plant.server.fault(RequestKind::Lookup, 3, action.clone());
         is_lost(robot.connect(), &action);
     }
     robot.connect().expect("connected");
@@ -86,7 +86,7 @@ fn lengths_of_frames_are_checked_before_anything_is_allocated() {
     }
     for length in [0, 23, u32::MAX] {
         let action = Action::Length(length);
-        plant.server.fault(Kind::State, 1, action.clone());
+        plant.server.fault(RequestKind::State, 1, action.clone());
         let told = is_lost(plant.client().connect(), &action);
         assert!(told.contains("does not speak ADS"), "{told}");
     }
@@ -97,7 +97,9 @@ fn what_nobody_asked_for_is_passed_over() {
     let plant = Plant::unruly();
     let mut client = client(&plant);
     let expected = client.read(&drums()).expect("values");
-    plant.server.fault(Kind::Read, 1, Action::Notifications);
+    plant
+        .server
+        .fault(RequestKind::Read, 1, Action::Notifications);
     assert_eq!(client.read(&drums()), Ok(expected));
 }
 
@@ -107,9 +109,9 @@ fn an_exchange_ends_in_time_whatever_arrives() {
     std::thread::scope(|scope| {
         for action in [Action::Notes, Action::Dripping, Action::Late(30_000)] {
             for kind in [
-                Some(Kind::State),
-                Some(Kind::Lookup),
-                Some(Kind::Read),
+                Some(RequestKind::State),
+                Some(RequestKind::Lookup),
+                Some(RequestKind::Read),
                 None,
             ] {
                 let action = action.clone();
@@ -120,7 +122,7 @@ fn an_exchange_ends_in_time_whatever_arrives() {
 }
 
 /// Connects while an answer of this kind goes wrong; without one a sample, once connected.
-fn ends_in_time(action: &Action, kind: Option<Kind>) {
+fn ends_in_time(action: &Action, kind: Option<RequestKind>) {
     let plant = Plant::unruly();
     let options = AdsOptions {
         timeout_s: TIMEOUT_S,
@@ -134,7 +136,7 @@ fn ends_in_time(action: &Action, kind: Option<Kind>) {
     }
     plant
         .server
-        .fault(kind.unwrap_or(Kind::Read), 1, action.clone());
+        .fault(kind.unwrap_or(RequestKind::Read), 1, action.clone());
     let begun = Instant::now();
     let told = match kind {
         Some(_) => is_lost(robot.connect(), action),
@@ -159,7 +161,7 @@ fn errors_of_the_router_are_told_with_their_meaning() {
         ),
     ] {
         let mut client = client(&plant);
-        plant.server.fault(Kind::Read, 1, Action::Code(code));
+        plant.server.fault(RequestKind::Read, 1, Action::Code(code));
         let told = client.sample().expect_err("an error").to_string();
         assert!(told.contains(meaning), "{told}");
     }

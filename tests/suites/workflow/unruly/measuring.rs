@@ -42,7 +42,7 @@ fn an_overload_stops_the_run_every_time() {
     assert!(!stopped.stderr.contains("retrying"), "{}", stopped.stderr);
     let kept = session(&file).measurements.labels.clone();
     assert!(kept.len() < 8, "{kept:?}");
-    // It still pulls: nothing is commanded.
+    // The cable is still overloaded: nothing is commanded.
     let target = plant.server.numbers("GVL_Tautline.target");
     let again = measure(&plant, &file, (0, &|| ()));
     assert_eq!(again.code, Some(1), "{}", again.stderr);
@@ -64,7 +64,7 @@ fn a_second_client_ends_the_run() {
     let plant = Plant::unruly();
     let folder = Folder::new();
     let file = folder.join("s.json");
-    // Whatever number it takes, that of our next command included.
+    // With any number, including that of our next command.
     let other = || plant.command_as_another(2.0);
     let stopped = measure(&plant, &file, (5, &other));
     assert_eq!(stopped.code, Some(1), "{}", stopped.stderr);

@@ -38,7 +38,7 @@ fn last_outcome(path: &str) -> Outcome {
     last.expect("an adjustment").outcome.clone()
 }
 
-/// What the controller holds, by the bytes in its memory.
+/// Values of the controller from the bytes in its memory.
 fn held(plant: &Plant<Unruly>) -> BTreeMap<&'static str, Vec<f64>> {
     let symbols = [
         "GVL_Tautline.entry_point",
@@ -78,7 +78,7 @@ fn measured(folder: &Folder, name: &str) -> String {
     folder.write(name, text)
 }
 
-/// Waits until something is so, while a program runs.
+/// Waits until a condition is met, while a program runs.
 fn wait_until(child: &mut Child, is_so: impl Fn() -> bool) {
     while !is_so() {
         let ended = child.try_wait().expect("a state");
@@ -87,7 +87,7 @@ fn wait_until(child: &mut Child, is_so: impl Fn() -> bool) {
     }
 }
 
-/// Starts the program; nobody can type there.
+/// Starts the program without standard input.
 fn start(words: &[&str]) -> Child {
     program::start(words, Stdio::null())
 }

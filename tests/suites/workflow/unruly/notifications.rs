@@ -1,17 +1,17 @@
-//! Readings that a controller sends of its own accord: they are for display, and nothing depends on them.
+//! Readings that a controller sends on its own: they are for display, and no decision depends on them.
 
 use std::time::{Duration, Instant};
 
 use tautline_link::{Controller, LinkError, Sample};
 use tautline_validation::support::ads::Plant;
 use tautline_validation::support::ads::symbols::global;
-use tautline_validation::support::ads::unruly::{Action, Kind, Unruly};
+use tautline_validation::support::ads::unruly::{Action, RequestKind, Unruly};
 
 use super::client;
 
-/// Between two readings that are sent (s).
+/// Interval between two readings that are sent (s).
 const CYCLE_S: f64 = 0.01;
-/// How long a test waits for what has to come.
+/// Time limit for expected messages.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A controller whose time runs by the clock.
@@ -21,7 +21,7 @@ fn running() -> Plant<Unruly> {
     plant
 }
 
-/// At least so many readings that were sent.
+/// Waits for at least `count` readings that the controller sends.
 fn sent(client: &mut impl Controller, count: usize) -> Vec<Sample> {
     let begun = Instant::now();
     let mut all = Vec::new();
@@ -46,7 +46,7 @@ fn what_is_sent_is_what_is_read() {
         .all(|pair| pair[0].time_s < pair[1].time_s);
     assert!(order, "{samples:?}");
     for sample in &samples {
-        // The platform stands still: only the time differs. Whether it started anew is part of the state, not of what is shown.
+        // The platform stands still: only the time differs. The start of the controller is part of its state, not of readings.
         let same = Sample {
             time_s: read.time_s,
             started: read.started,
@@ -68,7 +68,9 @@ fn answers_are_found_among_what_is_sent() {
         client.sample().expect("a reading");
     }
     assert!(!sent(&mut client, 1).is_empty());
-    plant.server.fault(Kind::Read, 1, Action::Notifications);
+    plant
+        .server
+        .fault(RequestKind::Read, 1, Action::Notifications);
     client.sample().expect("a reading");
     sent(&mut client, 10);
 }
@@ -77,7 +79,9 @@ fn answers_are_found_among_what_is_sent() {
 fn a_controller_that_sends_nothing_is_only_read() {
     let plant = running();
     let mut client = client(&plant);
-    plant.server.fault(Kind::Lookup, 3, Action::Code(0x701));
+    plant
+        .server
+        .fault(RequestKind::Lookup, 3, Action::Code(0x701));
     let refused = client.subscribe(CYCLE_S);
     assert!(matches!(refused, Err(LinkError::Refused(_))), "{refused:?}");
     // Those that it had taken were ended.

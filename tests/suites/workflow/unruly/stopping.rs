@@ -5,7 +5,7 @@ use std::process::Child;
 use rustix::process::{Pid, Signal, kill_process};
 use tautline_session::Outcome;
 use tautline_validation::support::ads::Plant;
-use tautline_validation::support::ads::unruly::{Action, Kind};
+use tautline_validation::support::ads::unruly::{Action, RequestKind};
 use tautline_validation::support::program::Folder;
 
 use super::{RELEASE, controller, heard, held, last_outcome, measured, start, wait_until};
@@ -24,7 +24,7 @@ fn values_are_finished_before_the_program_ends() {
         let controller = controller(&plant);
         let old = held(&plant);
         // Late enough for the signals, in time for the answer.
-        plant.server.fault(Kind::Write, 1, Action::Late(600));
+        plant.server.fault(RequestKind::Write, 1, Action::Late(600));
         let before = plant.server.values();
         let mut child = start(&["adjust", &file, "--controller", &controller, "--arm"]);
         wait_until(&mut child, || plant.server.values() >= before + 9);
@@ -57,7 +57,7 @@ fn two_interrupts_end_a_run_after_the_release_is_withdrawn() {
         plant.server.numbers("GVL_Tautline.moving") == [1.0]
     });
     // The second one comes while the program waits for an answer.
-    plant.server.fault(Kind::Read, 1, Action::Late(400));
+    plant.server.fault(RequestKind::Read, 1, Action::Late(400));
     send(&child, Signal::INT);
     std::thread::sleep(std::time::Duration::from_millis(100));
     send(&child, Signal::INT);
@@ -73,9 +73,9 @@ fn nobody_waits_for_a_line_that_stays_down() {
     let controller = controller(&plant);
     plant
         .server
-        .fault(Kind::Write, 1, Action::DownAfterValues(3));
+        .fault(RequestKind::Write, 1, Action::DownAfterValues(3));
     let mut child = start(&["adjust", &file, "--controller", &controller, "--arm"]);
-    wait_until(&mut child, || plant.server.count(Kind::Write) > 0);
+    wait_until(&mut child, || plant.server.count(RequestKind::Write) > 0);
     send(&child, Signal::TERM);
     let answer = heard(child, |_, _| ());
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);

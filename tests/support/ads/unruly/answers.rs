@@ -1,4 +1,4 @@
-//! What the server answers while it behaves.
+//! Correct answers of the server.
 
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant, SystemTime};
@@ -23,7 +23,7 @@ const UNKNOWN: u32 = 0x701;
 const WRONG_OFFSET: u32 = 0x703;
 const NO_SYMBOL: u32 = 0x710;
 const WRONG_HANDLE: u32 = 0x714;
-/// Handles of symbols count from here.
+/// Handle of the first symbol.
 const FIRST_HANDLE: u32 = 0x1000;
 
 /// The content of an answer; at most `limit` values are written.
@@ -71,7 +71,7 @@ pub(super) fn answer(
     }
 }
 
-/// What a client wants to be sent in every cycle.
+/// Subscription of a client to values that are sent in every cycle.
 #[derive(Debug)]
 pub(super) struct Subscription {
     group: u32,
@@ -242,7 +242,7 @@ fn read(state: &mut State, group: u32, offset: u32, size: usize) -> Result<Vec<u
     Ok(misread(state, name.as_deref(), bytes))
 }
 
-/// What is read of a symbol, with the wrong readings that are planned for it.
+/// Bytes read from a symbol, with the wrong readings that are planned for it.
 fn misread(state: &mut State, name: Option<&str>, mut bytes: Vec<u8>) -> Vec<u8> {
     const SIZE: usize = size_of::<f64>();
     state.wrong_readings.retain_mut(|wrong| {

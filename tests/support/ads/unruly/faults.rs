@@ -1,4 +1,4 @@
-//! What the server does wrong.
+//! Faults of the server.
 
 use std::net::TcpStream;
 use std::thread::sleep;
@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use super::{Request, frame, send};
 
-/// What goes wrong with an answer.
+/// Fault of an answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Action {
     /// The connection ends before the request is treated.
     DropBefore,
-    /// It ends after that.
+    /// The connection ends after the request is treated.
     DropAfter,
-    /// It ends after so many of the values were written, and nobody can connect before [`Unruly::up`].
+    /// The connection ends after this number of values was written, and nobody can connect before [`Unruly::up`].
     DownAfterValues(usize),
     /// The last bytes are missing; the answer's own length still counts them.
     Short(usize),
@@ -23,7 +23,7 @@ pub enum Action {
     Padded(usize),
     /// One byte every half second.
     Dripping,
-    /// Notes of a router instead of an answer, until the client has gone.
+    /// Frames of a router instead of an answer, until the client has disconnected.
     Notes,
     /// A frame of this announced length, and its first bytes.
     Length(u32),
@@ -31,7 +31,7 @@ pub enum Action {
     Notifications,
     /// An AMS error in the header.
     Code(u32),
-    /// Nothing for so long, then the answer (ms).
+    /// Nothing for this time (ms), then the answer.
     Late(u64),
 }
 

@@ -1,4 +1,4 @@
-//! What a controller holds: symbols with their types, and the bytes of their values.
+//! Memory of a controller: symbols with their types, and the bytes of their values.
 
 use serde_json::Value;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 pub const GROUP: u32 = 0x4040;
 /// Longest text (bytes).
 const TEXT: usize = 81;
-/// Between two symbols, so that a part of one is never a part of the next.
+/// Gap between two symbols (bytes), so that the address behind one is not that of the next.
 const GAP: u32 = 8;
 
 /// A symbol.
@@ -49,13 +49,13 @@ impl Variable {
         }
     }
 
-    /// Gives it values.
+    /// Sets its values.
     pub fn set(&mut self, values: &[Value]) {
         let size = Self::shape(&self.kind).0;
         for (bytes, value) in self.bytes.chunks_exact_mut(size).zip(values) {
             let number = match value {
                 Value::Bool(on) => f64::from(u8::from(*on)),
-                // JSON has no other word for what is no number.
+                // JSON writes NaN as null.
                 Value::Null => f64::NAN,
                 value => value.as_f64().unwrap_or(0.0),
             };

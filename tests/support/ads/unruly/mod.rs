@@ -26,9 +26,9 @@ pub use faults::Action;
 use faults::misbehave;
 use memory::Memory;
 
-/// Kinds of requests.
+/// Kind of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum RequestKind {
     /// The state of the program.
     State,
     /// The description or handle of a symbol, or a subscription to it.
@@ -47,7 +47,7 @@ const COMMANDS: [&str; 5] = ["target", "kind", "number", "release", "watchdog"];
 /// A planned fault: the action at request `number` (from 1) of a kind.
 #[derive(Debug)]
 struct Fault {
-    kind: Kind,
+    kind: RequestKind,
     number: u64,
     action: Action,
 }
@@ -71,7 +71,7 @@ struct State {
     state: u16,
     faults: Vec<Fault>,
     wrong_readings: Vec<WrongReading>,
-    counts: BTreeMap<Kind, u64>,
+    counts: BTreeMap<RequestKind, u64>,
     /// Values of parameters that were written so far.
     values: u64,
     /// Nobody can connect.
@@ -80,12 +80,12 @@ struct State {
     open: Vec<TcpStream>,
     /// Connections so far.
     connections: u64,
-    /// By their handles.
+    /// Subscriptions by their handles.
     subscriptions: BTreeMap<u32, Subscription>,
     last_subscription: u32,
     /// Values that were sent in notifications so far.
     notified: usize,
-    /// The symbol that shows the time, and when it was zero.
+    /// The symbol that shows the time, and the instant at which it was zero.
     clock: Option<(String, Instant)>,
     /// Called before each value of a parameter is written, with the number of values before.
     before_value: Option<BeforeValue>,
@@ -99,7 +99,7 @@ impl State {
         }
     }
 
-    fn action(&mut self, kind: Kind) -> Option<Action> {
+    fn action(&mut self, kind: RequestKind) -> Option<Action> {
         *self.counts.entry(kind).or_default() += 1;
         let due = self.faults.iter_mut().filter(|fault| fault.kind == kind);
         due.for_each(|fault| fault.number = fault.number.saturating_sub(1));
@@ -161,7 +161,7 @@ impl Unruly {
     }
 
     /// Plans a fault at request `number` (from 1, counted from now) of a kind.
-    pub fn fault(&self, kind: Kind, number: u64, action: Action) {
+    pub fn fault(&self, kind: RequestKind, number: u64, action: Action) {
         lock(&self.state).faults.push(Fault {
             kind,
             number,
@@ -202,7 +202,7 @@ impl Unruly {
 
     /// Number of requests of a kind so far.
     #[must_use]
-    pub fn count(&self, kind: Kind) -> u64 {
+    pub fn count(&self, kind: RequestKind) -> u64 {
         lock(&self.state).counts.get(&kind).copied().unwrap_or(0)
     }
 
@@ -232,7 +232,7 @@ impl Unruly {
         lock(&self.state).clock = Some((name.to_owned(), zero));
     }
 
-    /// How often the values of all present subscriptions were sent so far.
+    /// Number of cycles in which the values of all present subscriptions were sent so far.
     #[must_use]
     pub fn cycles_sent(&self) -> f64 {
         let state = lock(&self.state);
@@ -326,7 +326,7 @@ fn serve(socket: TcpStream, state: &Arc<Mutex<State>>, tell: &Sender<Written>) {
     });
 }
 
-/// Sends what is due until a request arrives.
+/// Sends due notifications until a request arrives.
 fn wait(socket: &mut TcpStream, state: &Mutex<State>, connection: u64) -> Option<()> {
     loop {
         let mut known = lock(state);
@@ -386,7 +386,7 @@ fn is_command(name: &str) -> bool {
     COMMANDS.iter().any(|known| name.ends_with(known))
 }
 
-fn kind_of(request: &Request, memory: &mut Memory) -> Kind {
+fn kind_of(request: &Request, memory: &mut Memory) -> RequestKind {
     let group = word(&request.data, 0).unwrap_or(0);
     // Of several values the first one decides.
     let head = match request.command {
@@ -394,18 +394,18 @@ fn kind_of(request: &Request, memory: &mut Memory) -> Kind {
         _ => 0,
     };
     match (request.command, group) {
-        (4, _) => Kind::State,
-        (SUBSCRIBE | UNSUBSCRIBE, _) => Kind::Lookup,
-        (3, RELEASE_HANDLE) | (_, SYMBOL_INFO | SYMBOL_HANDLE) => Kind::Lookup,
+        (4, _) => RequestKind::State,
+        (SUBSCRIBE | UNSUBSCRIBE, _) => RequestKind::Lookup,
+        (3, RELEASE_HANDLE) | (_, SYMBOL_INFO | SYMBOL_HANDLE) => RequestKind::Lookup,
         (3, _) | (9, WRITE_TOGETHER) => {
             let place = word(&request.data, head).zip(word(&request.data, head + 4));
             let name = place.and_then(|(group, offset)| memory.name_at(group, offset));
             match name.is_some_and(|name| is_command(&name)) {
-                true => Kind::Command,
-                false => Kind::Write,
+                true => RequestKind::Command,
+                false => RequestKind::Write,
             }
         }
-        _ => Kind::Read,
+        _ => RequestKind::Read,
     }
 }
 
@@ -429,7 +429,7 @@ fn treat(
         _ => usize::MAX,
     };
     let content = match action {
-        // What is refused is not done.
+        // A refused request is not carried out.
         Some(Action::Code(_)) => Vec::new(),
         _ => answer(&mut known, &request, limit, tell),
     };

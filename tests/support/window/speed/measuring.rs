@@ -21,11 +21,11 @@ const MEASURED: usize = 1000;
 const PLANNED: usize = 1000;
 /// Share of the way from home to a simulated pose at which a planned one is, so that tensions hold it.
 const NEAR: f64 = 0.3;
-/// How many times faster than real the robot's time runs in the hour.
+/// Speed of the robot's time in the hour, as a multiple of real time.
 const SPEED: &str = "60";
 /// Moments at which the memory is read (min of the robot's time).
 const MOMENTS: [f64; 7] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0];
-/// How long the hour may take.
+/// Time limit of the hour.
 const PATIENCE: Duration = Duration::from_secs(900);
 
 /// The program at a moment of the run.
@@ -36,11 +36,11 @@ pub struct Moment {
     pub poses: usize,
     /// Resident memory (MiB).
     pub memory_mib: f64,
-    /// What was written for recovery so far and is there (kB): snapshot, changes and journal.
+    /// Size of the recovery files (kB): snapshot, changes and journal.
     pub kept_kb: u64,
 }
 
-/// A session of so many measured poses and a plan of more.
+/// A session with `measured` poses and a plan of more.
 fn session(folder: &Path, measured: usize) -> Result<String> {
     let dataset = simulated(measured.max(1) + PLANNED)?;
     let mut session = Session::new(
@@ -76,7 +76,7 @@ fn begin(window: &mut Window, start: &str) -> Result<()> {
     for name in ["Connect the simulated robot", "Arm", start] {
         let button = window.named("Button", name)?;
         window.rest()?;
-        // What came above it may have moved it.
+        // New elements above it may have moved it.
         let button = window.named("Button", name).unwrap_or(button);
         window.click(&button)?;
     }

@@ -57,7 +57,7 @@ pub fn measure() -> Result<String> {
     ))
 }
 
-/// Measures one part: `hour`, `measuring`, `record`, or a scene of so many poses.
+/// Measures one part: `hour`, `measuring`, `record`, or a scene with this number of poses.
 ///
 /// # Errors
 /// If it is none of these, or the window cannot be opened or driven.

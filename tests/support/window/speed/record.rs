@@ -17,7 +17,7 @@ const SESSIONS: u16 = 100;
 const POSES: usize = 25;
 /// Time from one session to the next (s): a week.
 const EVERY_S: i64 = 7 * 86_400;
-/// How far one pulley drifts from one session to the next (m).
+/// Drift of one pulley from one session to the next (m).
 const DRIFT_M: f64 = 1e-4;
 /// Folder of the record.
 const FOLDER: &str = "record";

@@ -10,28 +10,28 @@ use anyhow::{Context, Result};
 use super::super::Window;
 use super::{SIZE, dataset, memory_mib};
 
-/// How long the robot is turned, how often, and how long nothing is done.
+/// Duration of a turn of the robot, number of turns, and idle time.
 const TURNING: Duration = Duration::from_secs(4);
 const TURNS: usize = 3;
 const IDLE: Duration = Duration::from_secs(30);
 /// Ticks of the processor time in `/proc` per second, under Linux always.
 const TICKS_PER_S: f64 = 100.0;
 
-/// What a scene costs.
+/// Costs of a scene.
 pub struct Scene {
-    /// What is measured.
+    /// Name of the scene.
     pub name: String,
     /// While the robot is turned.
     pub turning: Frame,
     /// While the pointer moves over the menus and nothing changes in 3D.
     pub still: Frame,
-    /// Share of one core while nothing happens, where nothing does.
+    /// Share of one core while idle; `None` for scenes without idle time.
     pub idle: Option<f64>,
     /// Resident memory (MiB).
     pub memory_mib: f64,
 }
 
-/// What a frame takes, the least of some measurements.
+/// Times of a frame, the minimum of several measurements.
 #[derive(Clone, Copy)]
 pub struct Frame {
     /// Time from one to the next (s).
@@ -40,7 +40,7 @@ pub struct Frame {
     pub own_s: f64,
 }
 
-/// So many identified poses.
+/// Scene with a number of identified poses.
 pub fn of_poses(folder: &Path, poses: usize) -> Result<Scene> {
     let name = dataset(folder, poses)?;
     let mut window = Window::open(folder, SIZE, &[&name])?;
@@ -70,7 +70,7 @@ pub fn frames(window: &mut Window) -> Result<(Frame, Frame)> {
     Ok((least(window, turned, true)?, least(window, menus, false)?))
 }
 
-/// The least of some measurements.
+/// Minimum of several measurements.
 fn least(window: &mut Window, place: (i16, i16), pressed: bool) -> Result<Frame> {
     let mut best = Frame {
         whole_s: f64::INFINITY,

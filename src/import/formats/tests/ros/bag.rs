@@ -36,7 +36,7 @@ fn message(id: u8, second: u8, data: &[u8]) -> Vec<u8> {
     record(&fields, data)
 }
 
-/// Whether topics are the same in a bag and in a recording of ROS 2.
+/// Asserts that topics are the same in a bag and in a recording of ROS 2.
 fn assert_alike(bag: &Source, mcap: &Source, topics: &[&str]) {
     for topic in topics {
         let (found, expected) = (series(bag, topic), series(mcap, topic));
@@ -94,7 +94,7 @@ fn a_bag_that_was_not_closed_is_read_as_far_as_it_goes() {
     assert_eq!(source.notices, [format!("a.bag: {told}")]);
     for (name, part) in [("bz2.bag", "/range"), ("lz4.bag", "/ee/wrench")] {
         let whole = seed(name);
-        // In the index, which nobody needs.
+        // In the index, which is not needed.
         let source = read("b.bag", &whole[..whole.len() - 40]);
         assert_eq!(
             series(&source, part).rows,
@@ -106,7 +106,7 @@ fn a_bag_that_was_not_closed_is_read_as_far_as_it_goes() {
 
 #[test]
 fn damaged_chunks_are_told() {
-    // Inside of what is compressed, and in the head of it.
+    // Inside the compressed data, and in its header.
     for (name, begin, at) in [
         ("bz2.bag", &b"BZh9"[..], 1000),
         ("lz4.bag", b"\x04\x22\x4d\x18", 4),

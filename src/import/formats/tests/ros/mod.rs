@@ -26,7 +26,7 @@ fn series<'a>(source: &'a Source, name: &str) -> &'a Series {
     all.find(|series| series.name == name).expect(name)
 }
 
-/// Whether the rows of a series are at these times after the begin, to a microsecond.
+/// Asserts the times (s) of the rows of a series after the begin, to a microsecond.
 fn assert_times(series: &Series, expected: &[f64]) {
     let found = times(series).expect("times");
     assert_eq!(found.len(), expected.len());
