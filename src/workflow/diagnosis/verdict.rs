@@ -164,8 +164,9 @@ impl Diagnosed {
 
     /// Whether the ratio of the residuals to the noise differs with the findings, after rounding.
     fn comes_closer(&self) -> bool {
-        let of = |adequacy: &Adequacy| residual_ratio(&adequacy.global).map(ratio);
-        of(&self.diagnosis.extended) != of(&self.diagnosis.base)
+        let of = |adequacy: &Adequacy| residual_ratio(&adequacy.global);
+        let pair = of(&self.diagnosis.extended).zip(of(&self.diagnosis.base));
+        pair.is_some_and(|(with, without)| with < without && ratio(with) != ratio(without))
     }
 
     /// Goodness of fit, scatter of the parts, and reasons to doubt the result as a whole.
