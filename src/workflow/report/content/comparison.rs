@@ -81,38 +81,24 @@ fn pulleys(input: &ComparisonInput<'_>) -> Section {
 }
 
 fn differences(compared: &Comparison) -> Table {
-    let mut table = Table::new(
-        format!(
-            "Differences; a pulley counts as moved if noise alone would cause one in fewer than {} of 100 comparisons",
-            significant(100.0 * compared.level, 2)
-        ),
-        1,
-        &[
-            "Pulley",
-            "dx mm",
-            "dy mm",
-            "dz mm",
-            "length mm",
-            "standard deviation mm",
-            "by chance",
-            "verdict",
-        ],
+    let caption = format!(
+        "Differences; a pulley counts as moved if noise alone would cause one in fewer than {} of 100 comparisons",
+        significant(100.0 * compared.level, 2)
     );
-    for pulley in &compared.pulleys {
-        let shown = pulley.relative.unwrap_or(pulley.raw);
-        let [x, y, z] = [0, 1, 2].map(|k| signed(1e3 * shown.vector_m[k], 2));
-        table.push([
-            pulley.cable.clone(),
-            x,
-            y,
-            z,
-            mm(shown.length_m(), 2),
-            mm(shown.length_sd_m(), 2),
-            chance(pulley),
-            called(pulley).to_owned(),
-        ]);
-    }
-    table
+    let shown = |pulley: &PulleyDifference| pulley.relative.unwrap_or(pulley.raw);
+    let along = |pulley: &PulleyDifference, k: usize| signed(1e3 * shown(pulley).vector_m[k], 2);
+    Table::of(caption, 1, &compared.pulleys).columns(&[
+        ("Pulley", &|one| one.cable.clone()),
+        ("dx mm", &|one| along(one, 0)),
+        ("dy mm", &|one| along(one, 1)),
+        ("dz mm", &|one| along(one, 2)),
+        ("length mm", &|one| mm(shown(one).length_m(), 2)),
+        ("standard deviation mm", &|one| {
+            mm(shown(one).length_sd_m(), 2)
+        }),
+        ("by chance", &|one| chance(one)),
+        ("verdict", &|one| called(one).to_owned()),
+    ])
 }
 
 fn chance(pulley: &PulleyDifference) -> String {
