@@ -23,6 +23,7 @@ use tautline_workflow::sequential::{
 };
 use tautline_workflow::wording::sentence;
 
+use super::document::Skipped;
 use crate::live::{Connection, SessionFile, interrupt, typed};
 
 /// Smallest number of poses, home included, at which the precision is checked.
@@ -53,7 +54,7 @@ pub struct RunOutcome {
     /// Labels of the poses measured in this run.
     pub measured: Vec<i64>,
     /// Poses that were skipped, with the reasons.
-    pub skipped: Vec<(i64, String)>,
+    pub skipped: Vec<Skipped>,
     /// Largest standard deviation of a coordinate that results from the readings (m), if it was requested.
     pub largest_sd_m: Option<f64>,
     /// Whether the controller was restarted, so that this series cannot be continued.
@@ -325,7 +326,8 @@ impl Drive {
             "{}: pose {label} is skipped.",
             sentence(reason.trim_end_matches('.'))
         );
-        self.ended.skipped.push((label, reason.to_owned()));
+        let (pose, reason) = (label, reason.to_owned());
+        self.ended.skipped.push(Skipped { pose, reason });
         self.run.skip();
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Content of the report of a comparison of two sessions.
 
-use tautline_core::comparison::{Comparison, PulleyDifference};
+use tautline_core::comparison::{Comparison, PulleyDifference, ScalarDifference};
 use tautline_core::estimation::Observation;
 
 use super::{displacements, number, signatures, signed, titled, when};
@@ -10,7 +10,7 @@ use crate::report::deviations::Deviation;
 use crate::report::document::{Block, Document, Section, Table};
 use crate::report::input::ComparisonInput;
 use crate::report::plots;
-use crate::wording::units::{decimals, display_unit, fixed, mm, quantity, significant, with_sd};
+use crate::wording::units::{mm, quantity_to, significant, with_sd};
 use crate::wording::{PROGRAM, count, ratio, sentence};
 
 /// The whole content.
@@ -120,46 +120,32 @@ fn called(pulley: &PulleyDifference) -> &'static str {
 /// Differences of the target plane and effects.
 fn others(compared: &Comparison) -> Section {
     let mut section = Section::new("Other differences");
-    let mut table = Table::new(
-        "Target plane and effects",
-        1,
-        &["Quantity", "first", "second", "difference", "verdict"],
-    );
-    let mut push =
-        |name: String, unit: &str, size: &tautline_core::comparison::ScalarDifference| {
-            let value = |value: Option<f64>| {
-                let (factor, name) = display_unit(unit);
-                value.map_or_else(
-                    || super::NONE.to_owned(),
-                    // With the decimals of the difference, so that it can be seen.
-                    |value| match factor * size.sd {
-                        sd if sd.is_finite() && sd > 0.0 => {
-                            let value = fixed(factor * value, decimals(sd));
-                            format!("{value} {name}").trim_end().to_owned()
-                        }
-                        _ => quantity(value, unit),
-                    },
-                )
-            };
-            let verdict = match differs(compared, size.test) {
-                true => "different",
-                false => "unchanged",
-            };
-            table.push([
-                name,
-                value(size.first),
-                value(size.second),
-                with_sd(size.difference, size.sd, unit),
-                verdict.to_owned(),
-            ]);
-        };
-    if let Some(plane) = &compared.plane {
-        push("Target plane".to_owned(), "m", plane);
-    }
-    for effect in &compared.effects {
-        push(sentence(&effect_name(effect)), &effect.unit, &effect.size);
-    }
-    section.table(table);
+    let plane = compared.plane.iter();
+    let plane = plane.map(|plane| ("Target plane".to_owned(), "m", plane));
+    let effects = compared.effects.iter();
+    let effects = effects.map(|one| (sentence(&effect_name(one)), one.unit.as_str(), &one.size));
+    let value = |(_, unit, size): &(String, &str, &ScalarDifference), value: Option<f64>| {
+        value.map_or_else(
+            || super::NONE.to_owned(),
+            |value| quantity_to(value, size.sd, unit),
+        )
+    };
+    let table = Table::of("Target plane and effects", 1, plane.chain(effects));
+    section.table(table.columns(&[
+        ("Quantity", &|(name, ..)| name.clone()),
+        ("first", &|row| value(row, row.2.first)),
+        ("second", &|row| value(row, row.2.second)),
+        ("difference", &|(_, unit, size)| {
+            with_sd(size.difference, size.sd, unit)
+        }),
+        (
+            "verdict",
+            &|(.., size)| match differs(compared, size.test) {
+                true => "different".to_owned(),
+                false => "unchanged".to_owned(),
+            },
+        ),
+    ]));
     section
 }
 
