@@ -30,9 +30,10 @@ use crate::live::{Connection, SessionFile, interrupt, typed};
 const LEAST: usize = 6;
 
 /// Reason why a run ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum RunEnd {
     /// Every pose is measured or skipped.
+    #[default]
     Finished,
     /// The requested precision is reached.
     GoodEnough,
@@ -47,7 +48,7 @@ pub enum RunEnd {
 }
 
 /// Result of a run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct RunOutcome {
     /// Reason why it ended.
     pub end: RunEnd,
@@ -106,15 +107,7 @@ impl Drive {
             rows: session.measurements.len(),
             retries,
             tried: HashMap::new(),
-            ended: RunOutcome {
-                end: RunEnd::Finished,
-                measured: Vec::new(),
-                skipped: Vec::new(),
-                largest_sd_m: None,
-                restarted: false,
-                foreign_writes: Vec::new(),
-                until: None,
-            },
+            ended: RunOutcome::default(),
             until,
         }
     }
