@@ -173,54 +173,37 @@ fn print_text(robot: &Robot, id: &str) -> Result<()> {
 }
 
 fn print_quantities() {
-    let mut rows = table::texts(&["May be used", "unit", "of", "meaning"]);
-    for quantity in FORMULA_QUANTITIES {
-        let of = if quantity.is_of_cable() {
-            "cable"
-        } else {
-            "pose"
-        };
-        rows.add_row([quantity.name, quantity.unit, of, quantity.meaning]);
-    }
-    say!("{rows}");
-    let mut rows = table::texts(&["May be changed", "unit", "of", "meaning"]);
-    for target in FORMULA_TARGETS {
-        let of = if target.is_of_cable() {
-            "cable"
-        } else {
-            "platform"
-        };
-        rows.add_row([target.name, target.unit, of, target.meaning]);
-    }
-    say!("{rows}");
+    let of = |is_of_cable: bool, or: &str| if is_of_cable { "cable" } else { or }.to_owned();
+    table::rows(FORMULA_QUANTITIES).print_texts(&[
+        ("May be used", &|one| one.name.to_owned()),
+        ("unit", &|one| one.unit.to_owned()),
+        ("of", &|one| of(one.is_of_cable(), "pose")),
+        ("meaning", &|one| one.meaning.to_owned()),
+    ]);
+    table::rows(FORMULA_TARGETS).print_texts(&[
+        ("May be changed", &|one| one.name.to_owned()),
+        ("unit", &|one| one.unit.to_owned()),
+        ("of", &|one| of(one.is_of_cable(), "platform")),
+        ("meaning", &|one| one.meaning.to_owned()),
+    ]);
 }
 
 /// Lists the effects that `simulate` can hide, whether `identify` can estimate them, and how `diagnose` searches for them.
 fn print_table(document: &EffectsDocument) {
-    let mut rows = table::texts(&[
-        "Effect",
-        "title",
-        "on",
-        "can be estimated",
-        "diagnose tests it",
-        "parameters (typical size)",
-        "typical tolerance",
-    ]);
-    for effect in &document.effects {
+    let parameters = |effect: &EffectDocument| {
         let parameters: Vec<_> = effect.parameters.iter().map(parameter).collect();
-        let freed = if effect.can_be_estimated { "yes" } else { "no" };
-        let cells = [
-            &effect.effect,
-            &effect.title,
-            on(effect),
-            freed,
-            tried(effect),
-            &parameters.join(", "),
-            &tolerance(effect),
-        ];
-        rows.add_row(cells);
-    }
-    say!("{rows}");
+        parameters.join(", ")
+    };
+    let freed = |is_freed: bool| if is_freed { "yes" } else { "no" }.to_owned();
+    table::rows(&document.effects).print_texts(&[
+        ("Effect", &|effect| effect.effect.clone()),
+        ("title", &|effect| effect.title.clone()),
+        ("on", &|effect| on(effect).to_owned()),
+        ("can be estimated", &|effect| freed(effect.can_be_estimated)),
+        ("diagnose tests it", &|effect| tried(effect).to_owned()),
+        ("parameters (typical size)", &|effect| parameters(effect)),
+        ("typical tolerance", &|effect| tolerance(effect)),
+    ]);
 }
 
 fn on(effect: &EffectDocument) -> &'static str {

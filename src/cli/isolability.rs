@@ -12,27 +12,25 @@ const MOST_RIVALS: usize = 3;
 pub fn print(document: &IsolabilityDocument) {
     let table = IsolabilityTable::of(document);
     say!("{}", table.summary());
-    let mut rows = table::texts(&["Fault", "typical size", "seen", "could be confused with"]);
-    for (index, fault) in document.faults.iter().enumerate() {
-        let rivals = document.rivals(index);
+    let confused = |fault: usize| {
+        let rivals = document.rivals(fault);
         let mut named: Vec<String> = (rivals.iter().take(MOST_RIVALS))
             .map(|k| {
-                let confusion = document.confusion[index][*k];
+                let confusion = document.confusion[fault][*k];
                 format!("{} ({})", document.faults[*k].name(), percent(confusion))
             })
             .collect();
         if rivals.len() > MOST_RIVALS {
             named.push(format!("and {} more", rivals.len() - MOST_RIVALS));
         }
-        let cells = [
-            fault.name(),
-            fault.size.clone(),
-            percent(fault.detection),
-            named.join(", "),
-        ];
-        rows.add_row(cells.map(comfy_table::Cell::new));
-    }
-    say!("{rows}");
+        named.join(", ")
+    };
+    table::rows(document.faults.iter().enumerate()).print_texts(&[
+        ("Fault", &|(_, fault)| fault.name()),
+        ("typical size", &|(_, fault)| fault.size.clone()),
+        ("seen", &|(_, fault)| percent(fault.detection)),
+        ("could be confused with", &|(index, _)| confused(*index)),
+    ]);
     say!(
         "seen: probability that diagnosis names or lists it; confused: something is seen, but the other is not ruled out, with a \
          probability of {} or more",

@@ -6,6 +6,7 @@ pub mod accuracy;
 pub mod adjusting;
 pub mod audit;
 pub mod clock;
+pub mod column;
 pub mod comparison;
 pub mod controllers;
 pub mod diagnosis;

@@ -1,7 +1,7 @@
 //! Readable form of the accuracy figures: millimetres and degrees.
 
 use crate::output::say;
-use crate::table;
+use crate::table::{self, mm};
 use tautline_workflow::accuracy::{Accuracy, Figures, PathAccuracy, PoseAccuracy};
 
 /// Cycles per pose required by ISO 9283:1998.
@@ -29,66 +29,52 @@ pub fn print(accuracy: &Accuracy) {
 }
 
 fn print_poses(poses: &PoseAccuracy) {
-    let mut rows = table::numbers(&[
-        "Pose", "cycles", "AP mm", "RP mm", "dx mm", "dy mm", "dz mm", "rx °", "ry °", "rz °",
+    let angle =
+        |of: &Figures, k: usize| angle(of.angle_accuracy_rad, of.angle_repeatability_rad, k);
+    table::rows(&poses.targets).print(&[
+        ("Pose", &|one| one.target.clone()),
+        ("cycles", &|one| one.cycles.to_string()),
+        ("AP mm", &|one| mm(one.figures.accuracy_m, 3)),
+        ("RP mm", &|one| mm(one.figures.repeatability_m, 3)),
+        ("dx mm", &|one| mm(one.figures.deviation_m[0], 3)),
+        ("dy mm", &|one| mm(one.figures.deviation_m[1], 3)),
+        ("dz mm", &|one| mm(one.figures.deviation_m[2], 3)),
+        ("rx °", &|one| angle(&one.figures, 0)),
+        ("ry °", &|one| angle(&one.figures, 1)),
+        ("rz °", &|one| angle(&one.figures, 2)),
     ]);
-    for target in &poses.targets {
-        let Figures {
-            deviation_m,
-            accuracy_m,
-            repeatability_m,
-            angle_accuracy_rad,
-            angle_repeatability_rad,
-            ..
-        } = &target.figures;
-        let mut cells = vec![target.target.clone(), target.cycles.to_string()];
-        cells.extend([accuracy_m, repeatability_m].map(|v| table::mm(*v, 3)));
-        cells.extend(deviation_m.map(|v| table::mm(v, 3)));
-        cells.extend(angles(*angle_accuracy_rad, *angle_repeatability_rad));
-        table::push(&mut rows, &cells);
-    }
-    say!("{rows}");
     say!(
         "pose accuracy AP: largest {} mm, mean {} mm",
-        table::mm(poses.largest_accuracy_m, 3),
-        table::mm(poses.mean_accuracy_m, 3)
+        mm(poses.largest_accuracy_m, 3),
+        mm(poses.mean_accuracy_m, 3)
     );
     say!(
         "pose repeatability RP: largest {} mm, mean {} mm",
-        table::mm(poses.largest_repeatability_m, 3),
-        table::mm(poses.mean_repeatability_m, 3)
+        mm(poses.largest_repeatability_m, 3),
+        mm(poses.mean_repeatability_m, 3)
     );
 }
 
 fn print_paths(paths: &[PathAccuracy]) {
-    let mut rows = table::numbers(&[
-        "Path", "cycles", "points", "AT mm", "RT mm", "rx °", "ry °", "rz °",
+    let angle =
+        |of: &PathAccuracy, k: usize| angle(of.angle_accuracy_rad, of.angle_repeatability_rad, k);
+    table::rows(paths).print(&[
+        ("Path", &|one| one.target.clone()),
+        ("cycles", &|one| one.cycles.to_string()),
+        ("points", &|one| one.points.len().to_string()),
+        ("AT mm", &|one| mm(one.accuracy_m, 3)),
+        ("RT mm", &|one| mm(one.repeatability_m, 3)),
+        ("rx °", &|one| angle(one, 0)),
+        ("ry °", &|one| angle(one, 1)),
+        ("rz °", &|one| angle(one, 2)),
     ]);
-    for path in paths {
-        let mut cells = vec![
-            path.target.clone(),
-            path.cycles.to_string(),
-            path.points.len().to_string(),
-            table::mm(path.accuracy_m, 3),
-            table::mm(path.repeatability_m, 3),
-        ];
-        cells.extend(angles(
-            path.angle_accuracy_rad,
-            path.angle_repeatability_rad,
-        ));
-        table::push(&mut rows, &cells);
-    }
-    say!("{rows}");
 }
 
-/// Accuracy and repeatability about each axis in degrees; a dash without figures.
-fn angles(accuracy: Option<[f64; 3]>, repeatability: Option<[f64; 3]>) -> [String; 3] {
-    std::array::from_fn(|k| match (accuracy, repeatability) {
-        (Some(accuracy), Some(repeatability)) => format!(
-            "{:.3} ±{:.3}",
-            accuracy[k].to_degrees(),
-            repeatability[k].to_degrees()
-        ),
-        _ => "-".to_owned(),
-    })
+/// Accuracy and repeatability about an axis in degrees; a dash without figures.
+fn angle(accuracy: Option<[f64; 3]>, repeatability: Option<[f64; 3]>, axis: usize) -> String {
+    let angles = accuracy.zip(repeatability).map(|of| {
+        let [accuracy, repeatability] = [of.0, of.1].map(|all| all[axis].to_degrees());
+        format!("{accuracy:.3} ±{repeatability:.3}")
+    });
+    angles.unwrap_or_else(|| "-".to_owned())
 }

@@ -11,35 +11,24 @@ pub fn print(document: &AdjustmentDocument) {
     let is_shown = |row: &&DifferenceRow| row.changes || row.sd.is_some();
     let rows: Vec<&DifferenceRow> = document.differences.iter().filter(is_shown).collect();
     if !document.differences.is_empty() {
-        let mut lines = table::numbers(&[
-            "Parameter",
-            "unit",
-            "controller",
-            "identified",
-            "difference",
-            "sd",
+        let number = |row: &DifferenceRow, value: Option<f64>| {
+            let (scale, _) = display_unit(&row.unit);
+            value.map_or_else(|| "-".to_owned(), |v| format!("{:.4}", v * scale))
+        };
+        table::rows(&rows).print(&[
+            ("Parameter", &|row| row.name.clone()),
+            ("unit", &|row| display_unit(&row.unit).1.to_owned()),
+            ("controller", &|row| {
+                let odd = row.not_a_number.clone();
+                odd.unwrap_or_else(|| number(row, row.controller))
+            }),
+            ("identified", &|row| match row.in_model {
+                true => number(row, row.identified),
+                false => format!("none: {}", number(row, row.identified)),
+            }),
+            ("difference", &|row| number(row, row.difference)),
+            ("sd", &|row| number(row, row.sd)),
         ]);
-        for row in &rows {
-            let (scale, unit) = display_unit(&row.unit);
-            let number = |value: Option<f64>| {
-                value.map_or_else(|| "-".to_owned(), |v| format!("{:.4}", v * scale))
-            };
-            let cells = [
-                row.name.clone(),
-                unit.to_owned(),
-                row.not_a_number
-                    .clone()
-                    .unwrap_or_else(|| number(row.controller)),
-                match row.in_model {
-                    true => number(row.identified),
-                    false => format!("none: {}", number(row.identified)),
-                },
-                number(row.difference),
-                number(row.sd),
-            ];
-            table::push(&mut lines, &cells);
-        }
-        say!("{lines}");
         let same = document.differences.len() - rows.len();
         say!("{same} other parameters are unchanged");
     }

@@ -9,20 +9,25 @@ use tautline_workflow::wording::units::{quantity, significant, with_sd};
 
 /// Prints the differences.
 pub fn print(comparison: &Comparison, compared: &ComparisonDocument) {
-    let mut rows = table::numbers(&[
-        "Pulley",
-        "dx mm",
-        "dy mm",
-        "dz mm",
-        "length mm",
-        "sd mm",
-        "verdict",
-        "p corrected",
+    let shown = |pulley: &PulleyDocument| pulley.relative.unwrap_or(pulley.raw);
+    let along = |pulley: &PulleyDocument, axis: usize| mm(shown(pulley).vector_m[axis], 2);
+    table::rows(&compared.pulleys).print(&[
+        ("Pulley", &|one| one.cable.clone()),
+        ("dx mm", &|one| along(one, 0)),
+        ("dy mm", &|one| along(one, 1)),
+        ("dz mm", &|one| along(one, 2)),
+        ("length mm", &|one| mm(shown(one).length_m, 2)),
+        ("sd mm", &|one| mm(shown(one).length_sd_m, 2)),
+        ("verdict", &|one| match (&one.test, one.moved) {
+            (None, _) => "undetermined".to_owned(),
+            (Some(_), true) => "moved".to_owned(),
+            (Some(_), false) => "noise".to_owned(),
+        }),
+        ("p corrected", &|one| {
+            one.test
+                .map_or(String::new(), |test| probability(test.p_corrected))
+        }),
     ]);
-    for pulley in &compared.pulleys {
-        table::push(&mut rows, &cells(pulley));
-    }
-    say!("{rows}");
     if let Some(motion) = &compared.common_motion {
         let shift = [0, 1, 2].map(|k| with_sd(motion.shift_m[k], motion.shift_sd_m[k], "m"));
         let turn =
@@ -42,28 +47,6 @@ pub fn print(comparison: &Comparison, compared: &ComparisonDocument) {
         say!("{sentence}");
     }
     say!("{}", verdict(comparison));
-}
-
-fn cells(pulley: &PulleyDocument) -> [String; 8] {
-    let shown = pulley.relative.unwrap_or(pulley.raw);
-    let [x, y, z] = shown.vector_m.map(|value| mm(value, 2));
-    let verdict = match (&pulley.test, pulley.moved) {
-        (None, _) => "undetermined",
-        (Some(_), true) => "moved",
-        (Some(_), false) => "noise",
-    };
-    [
-        pulley.cable.clone(),
-        x,
-        y,
-        z,
-        mm(shown.length_m, 2),
-        mm(shown.length_sd_m, 2),
-        verdict.to_owned(),
-        pulley
-            .test
-            .map_or(String::new(), |test| probability(test.p_corrected)),
-    ]
 }
 
 /// Formats a probability.

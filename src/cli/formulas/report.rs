@@ -21,19 +21,16 @@ pub fn print(document: &FormulasDocument) {
     say!(
         "It looks like one of these patterns. None of them is a cause: what depends on these quantities?"
     );
-    let mut rows = table::numbers(&["Pattern", "probability", "size", "held-out residuals"]);
-    for pattern in &document.patterns {
-        table::push(
-            &mut rows,
-            &[
-                pattern.title(),
-                format!("{:.0} %", 100.0 * pattern.probability),
-                pattern.sizes(),
-                pattern.held_out().unwrap_or_default(),
-            ],
-        );
-    }
-    say!("{rows}");
+    table::rows(&document.patterns).print(&[
+        ("Pattern", &|one| one.title()),
+        ("probability", &|one| {
+            format!("{:.0} %", 100.0 * one.probability)
+        }),
+        ("size", &|one| one.sizes()),
+        ("held-out residuals", &|one| {
+            one.held_out().unwrap_or_default()
+        }),
+    ]);
     say!(
         "Probabilities hold if one of the patterns is true. With -o FILE.toml the likeliest becomes a hypothesis file."
     );

@@ -8,7 +8,7 @@ use tautline_workflow::wording::sentence;
 use tautline_workflow::wording::units::{unit_of, with_sd};
 
 use crate::output::say;
-use crate::table;
+use crate::table::{self, mm};
 
 /// Smallest share of a source that is listed.
 const LISTED_SHARE: f64 = 0.01;
@@ -39,38 +39,36 @@ fn no_sd() -> String {
 }
 
 fn print_entry_points(identification: &IdentificationDocument, drawing: &Robot) {
-    let mut points = table::numbers(&[
-        "Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm",
-    ]);
     let found = identification.entry_points_m.iter();
     let found = found.zip(&identification.entry_points_sd_m);
-    for (cable, (point, sds)) in drawing.cables.iter().zip(found) {
-        let drawn = cable.pulley.entry_point_m;
-        let square: f64 = (0..3).map(|k| (point[k] - drawn[k]).powi(2)).sum();
-        let mut cells = vec![cable.name.clone()];
-        cells.extend(point.map(|v| table::mm(v, 2)));
-        cells.extend(sds.map(|sd| sd.map_or_else(no_sd, |sd| table::mm(sd, 2))));
-        cells.push(table::mm(square.sqrt(), 2));
-        table::push(&mut points, &cells);
-    }
-    say!("{points}");
+    let sd = |sd: Option<f64>| sd.map_or_else(no_sd, |sd| mm(sd, 2));
+    table::rows(drawing.cables.iter().zip(found)).print(&[
+        ("Cable", &|(cable, _)| cable.name.clone()),
+        ("x mm", &|(_, (point, _))| mm(point[0], 2)),
+        ("y mm", &|(_, (point, _))| mm(point[1], 2)),
+        ("z mm", &|(_, (point, _))| mm(point[2], 2)),
+        ("sd x", &|(_, (_, sds))| sd(sds[0])),
+        ("sd y", &|(_, (_, sds))| sd(sds[1])),
+        ("sd z", &|(_, (_, sds))| sd(sds[2])),
+        ("moved mm", &|(cable, (point, _))| {
+            let drawn = cable.pulley.entry_point_m;
+            let square: f64 = (0..3).map(|k| (point[k] - drawn[k]).powi(2)).sum();
+            mm(square.sqrt(), 2)
+        }),
+    ]);
 }
 
 fn print_effects(identification: &IdentificationDocument) {
-    let mut effects = table::numbers(&["Effect", "value"]);
-    for effect in &identification.effects {
-        let on = effect.targets.join(", ");
-        let cells = [
-            format!("{} {} {on}", effect.effect, effect.parameter),
-            with_sd(
-                effect.value,
-                effect.sd.unwrap_or(f64::NAN),
-                unit_of(&effect.parameter, &effect.unit),
-            ),
-        ];
-        table::push(&mut effects, &cells);
-    }
-    say!("{effects}");
+    table::rows(&identification.effects).print(&[
+        ("Effect", &|one| {
+            let on = one.targets.join(", ");
+            format!("{} {} {on}", one.effect, one.parameter)
+        }),
+        ("value", &|one| {
+            let unit = unit_of(&one.parameter, &one.unit);
+            with_sd(one.value, one.sd.unwrap_or(f64::NAN), unit)
+        }),
+    ]);
 }
 
 fn print_residuals(identification: &IdentificationDocument) {
@@ -88,23 +86,25 @@ fn print_residuals(identification: &IdentificationDocument) {
 /// Sources of uncertainty with their shares, and the pulley in which each has its largest share.
 fn print_budget(budget: &BudgetDocument) {
     if let Some(position) = &budget.position {
-        let rms = table::mm(position.sd_m(), 2);
+        let rms = mm(position.sd_m(), 2);
         say!(
             "expected rms position error at the measured poses with these values in the controller: {rms} mm"
         );
     }
-    let mut shares = table::numbers(&["Uncertainty from", "pulleys", "position", "most in"]);
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    for one in budget.summary(LISTED_SHARE) {
-        let position = one.position.map_or_else(no_sd, percent);
-        let title = sentence(&source_title(&one.source));
-        let most = most_in(budget, &one);
-        let most = most.map_or_else(String::new, |(cable, share)| {
-            format!("{cable}: {}", percent(share))
-        });
-        table::push(&mut shares, &[title, percent(one.pulleys), position, most]);
-    }
-    say!("{shares}");
+    table::rows(budget.summary(LISTED_SHARE)).print(&[
+        ("Uncertainty from", &|one| {
+            sentence(&source_title(&one.source))
+        }),
+        ("pulleys", &|one| percent(one.pulleys)),
+        ("position", &|one| one.position.map_or_else(no_sd, percent)),
+        ("most in", &|one| {
+            let most = most_in(budget, one);
+            most.map_or_else(String::new, |(cable, share)| {
+                format!("{cable}: {}", percent(share))
+            })
+        }),
+    ]);
 }
 
 /// The pulley in which a source has its largest share, and that share.

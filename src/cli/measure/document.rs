@@ -60,7 +60,6 @@ impl MeasuringDocument {
     pub fn of(session: &Session, ended: &RunOutcome, lacking: Option<String>) -> Self {
         let measured = session.measurements.labels.clone();
         let planned = session.plan.iter().map(|pose| pose.label);
-        let skipped = ended.skipped.iter();
         Self {
             end: match ended.end {
                 RunEnd::Finished => "finished",
@@ -71,12 +70,7 @@ impl MeasuringDocument {
             }
             .to_owned(),
             measured_now: ended.measured.clone(),
-            skipped: skipped
-                .map(|(pose, reason)| Skipped {
-                    pose: *pose,
-                    reason: reason.clone(),
-                })
-                .collect(),
+            skipped: ended.skipped.clone(),
             missing: planned.filter(|label| !measured.contains(label)).collect(),
             measured,
             enough: lacking.is_none(),

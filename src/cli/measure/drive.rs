@@ -23,15 +23,17 @@ use tautline_workflow::sequential::{
 };
 use tautline_workflow::wording::sentence;
 
+use super::document::Skipped;
 use crate::live::{Connection, SessionFile, interrupt, typed};
 
 /// Smallest number of poses, home included, at which the precision is checked.
 const LEAST: usize = 6;
 
 /// Reason why a run ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum RunEnd {
     /// Every pose is measured or skipped.
+    #[default]
     Finished,
     /// The requested precision is reached.
     GoodEnough,
@@ -46,14 +48,14 @@ pub enum RunEnd {
 }
 
 /// Result of a run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct RunOutcome {
     /// Reason why it ended.
     pub end: RunEnd,
     /// Labels of the poses measured in this run.
     pub measured: Vec<i64>,
     /// Poses that were skipped, with the reasons.
-    pub skipped: Vec<(i64, String)>,
+    pub skipped: Vec<Skipped>,
     /// Largest standard deviation of a coordinate that results from the readings (m), if it was requested.
     pub largest_sd_m: Option<f64>,
     /// Whether the controller was restarted: the series cannot be continued then.
@@ -105,15 +107,7 @@ impl Drive {
             rows: session.measurements.len(),
             retries,
             tried: HashMap::new(),
-            ended: RunOutcome {
-                end: RunEnd::Finished,
-                measured: Vec::new(),
-                skipped: Vec::new(),
-                largest_sd_m: None,
-                restarted: false,
-                foreign_writes: Vec::new(),
-                until: None,
-            },
+            ended: RunOutcome::default(),
             until,
         }
     }
@@ -325,7 +319,8 @@ impl Drive {
             "{}: pose {label} is skipped.",
             sentence(reason.trim_end_matches('.'))
         );
-        self.ended.skipped.push((label, reason.to_owned()));
+        let (pose, reason) = (label, reason.to_owned());
+        self.ended.skipped.push(Skipped { pose, reason });
         self.run.skip();
         Ok(())
     }

@@ -3,7 +3,7 @@
 use crate::isolability;
 use crate::output::say;
 use crate::table;
-use tautline_workflow::planning::PlanDocument;
+use tautline_workflow::planning::{ExpectedParameter, PlanDocument};
 use tautline_workflow::wording::units::quantity;
 
 /// Prints the plan and its expected standard deviations.
@@ -39,25 +39,17 @@ pub fn print(plan: &PlanDocument) {
         plan.travel_m,
         plan.largest_time_correlation
     );
-    let mut rows = table::numbers(&["Parameter", "prior sd", "expected sd", "at random poses"]);
-    let random = &plan.random.parameters;
-    for (expected, random) in plan.expected.parameters.iter().zip(random) {
-        let show = |sd: Option<f64>| {
-            sd.map_or("undetermined".to_owned(), |sd| quantity(sd, &expected.unit))
-        };
-        table::push(
-            &mut rows,
-            &[
-                expected.name.clone(),
-                expected
-                    .prior_sd
-                    .map_or("unknown".to_owned(), |sd| quantity(sd, &expected.unit)),
-                show(expected.sd),
-                show(random.sd),
-            ],
-        );
-    }
-    say!("{rows}");
+    let show = |parameter: &ExpectedParameter, sd: Option<f64>, without: &str| {
+        sd.map_or(without.to_owned(), |sd| quantity(sd, &parameter.unit))
+    };
+    table::rows(plan.expected.parameters.iter().zip(&plan.random.parameters)).print(&[
+        ("Parameter", &|(one, _)| one.name.clone()),
+        ("prior sd", &|(one, _)| show(one, one.prior_sd, "unknown")),
+        ("expected sd", &|(one, _)| show(one, one.sd, "undetermined")),
+        ("at random poses", &|(one, random)| {
+            show(one, random.sd, "undetermined")
+        }),
+    ]);
     let metres = |value: Option<f64>| value.map_or("undetermined".to_owned(), |v| quantity(v, "m"));
     say!(
         "entry points: sd {} rms, {} along the worst direction; at random poses {} and {}",

@@ -6,7 +6,7 @@ use tautline_workflow::precalibration::{
 };
 
 use crate::output::say;
-use crate::table;
+use crate::table::{self, mm};
 
 /// Prints all fits.
 pub fn print(result: &Precalibration) {
@@ -25,34 +25,17 @@ pub fn print(result: &Precalibration) {
 }
 
 fn print_winches(winches: &[WinchResult]) {
-    let mut rows = table::numbers(&[
-        "Winch",
-        "pairs",
-        "mm per rev",
-        "sd",
-        "drawing",
-        "offset mm",
-        "sd",
-        "largest residual mm",
-        "verdict",
+    table::rows(winches).print(&[
+        ("Winch", &|one| one.cable.clone()),
+        ("pairs", &|one| one.pairs.to_string()),
+        ("mm per rev", &|one| mm(one.cable_per_revolution_m, 4)),
+        ("sd", &|one| mm(one.cable_per_revolution_sd_m, 4)),
+        ("drawing", &|one| mm(one.nominal_cable_per_revolution_m, 4)),
+        ("offset mm", &|one| mm(one.offset_m, 3)),
+        ("sd", &|one| mm(one.offset_sd_m, 3)),
+        ("largest residual mm", &|one| mm(one.largest_residual_m, 4)),
+        ("verdict", &|one| verdict(one.passed)),
     ]);
-    for winch in winches {
-        table::push(
-            &mut rows,
-            &[
-                winch.cable.clone(),
-                winch.pairs.to_string(),
-                table::mm(winch.cable_per_revolution_m, 4),
-                table::mm(winch.cable_per_revolution_sd_m, 4),
-                table::mm(winch.nominal_cable_per_revolution_m, 4),
-                table::mm(winch.offset_m, 3),
-                table::mm(winch.offset_sd_m, 3),
-                table::mm(winch.largest_residual_m, 4),
-                verdict(winch.passed),
-            ],
-        );
-    }
-    say!("{rows}");
     let passed = winches.iter().filter(|winch| winch.passed).count();
     let limit = WINCH_RESIDUAL_LIMIT_M * 1e3;
     say!(
@@ -62,32 +45,18 @@ fn print_winches(winches: &[WinchResult]) {
 }
 
 fn print_force_sensors(sensors: &[ForceResult]) {
-    let mut rows = table::numbers(&[
-        "Force sensor",
-        "pairs",
-        "gain",
-        "sd",
-        "bias N",
-        "sd",
-        "largest residual N",
-        "verdict",
+    table::rows(sensors).print(&[
+        ("Force sensor", &|one| one.cable.clone()),
+        ("pairs", &|one| one.pairs.to_string()),
+        ("gain", &|one| format!("{:.5}", one.tension_gain)),
+        ("sd", &|one| format!("{:.5}", one.tension_gain_sd)),
+        ("bias N", &|one| format!("{:.3}", one.bias_n)),
+        ("sd", &|one| format!("{:.3}", one.bias_sd_n)),
+        ("largest residual N", &|one| {
+            format!("{:.3}", one.largest_residual_n)
+        }),
+        ("verdict", &|one| verdict(one.passed)),
     ]);
-    for sensor in sensors {
-        table::push(
-            &mut rows,
-            &[
-                sensor.cable.clone(),
-                sensor.pairs.to_string(),
-                format!("{:.5}", sensor.tension_gain),
-                format!("{:.5}", sensor.tension_gain_sd),
-                format!("{:.3}", sensor.bias_n),
-                format!("{:.3}", sensor.bias_sd_n),
-                format!("{:.3}", sensor.largest_residual_n),
-                verdict(sensor.passed),
-            ],
-        );
-    }
-    say!("{rows}");
     let passed = sensors.iter().filter(|sensor| sensor.passed).count();
     let count = share(passed, sensors.len(), "force sensor");
     say!("{count} within {FORCE_RESIDUAL_LIMIT_N} N");
@@ -99,9 +68,9 @@ fn print_home(home: &HomeResult) {
         let repeatability = home.position_repeatability_m;
         let cells = [
             name.to_owned(),
-            table::mm(home.position_m[k], 3),
-            table::mm(home.position_sd_m[k], 3),
-            repeatability.map_or("-".to_owned(), |r| table::mm(r[k], 3)),
+            mm(home.position_m[k], 3),
+            mm(home.position_sd_m[k], 3),
+            repeatability.map_or("-".to_owned(), |r| mm(r[k], 3)),
         ];
         table::push(&mut rows, &cells);
     }
@@ -124,24 +93,22 @@ fn print_home(home: &HomeResult) {
         home.largest_residual_m * 1e3
     );
     for sensor in home.sensors.iter().filter(|sensor| !sensor.in_range) {
-        let (number, mean) = (sensor.sensor, table::mm(sensor.mean_m, 1));
+        let (number, mean) = (sensor.sensor, mm(sensor.mean_m, 1));
         say!("sensor {number}: {mean} mm is outside the measuring range");
     }
 }
 
 fn print_elongation(elongation: &ElongationResult) {
-    let mut rows = table::numbers(&["Elongation surface", "cross-validated error mm"]);
-    for degree in &elongation.degrees {
-        let chosen = degree.degree == elongation.surface.degree;
-        let mark = if chosen { " (chosen)" } else { "" };
-        let error = degree.error_m;
-        let cells = [
-            format!("degree {}{mark}", degree.degree),
-            error.map_or("too few points".to_owned(), |e| table::mm(e, 4)),
-        ];
-        table::push(&mut rows, &cells);
-    }
-    say!("{rows}");
+    table::rows(&elongation.degrees).print(&[
+        ("Elongation surface", &|one| {
+            let chosen = one.degree == elongation.surface.degree;
+            let mark = if chosen { " (chosen)" } else { "" };
+            format!("degree {}{mark}", one.degree)
+        }),
+        ("cross-validated error mm", &|one| {
+            (one.error_m).map_or("too few points".to_owned(), |e| mm(e, 4))
+        }),
+    ]);
     let surface = &elongation.surface;
     say!(
         "{} measurements, lengths {:.3} to {:.3} m, tensions {:.1} to {:.1} N",
@@ -153,8 +120,8 @@ fn print_elongation(elongation: &ElongationResult) {
     );
     say!(
         "residual sd {} mm, largest residual {} mm",
-        table::mm(surface.residual_sd_m, 4),
-        table::mm(elongation.largest_residual_m, 4)
+        mm(surface.residual_sd_m, 4),
+        mm(elongation.largest_residual_m, 4)
     );
 }
 

@@ -190,36 +190,23 @@ fn plan(path: &Path, hypotheses: &HypothesisFiles, out: Option<&Path>) -> Result
 const PRINTED: usize = 60;
 
 fn print_cells(plan: &StudyPlan) {
-    let mut table = table::numbers(&[
-        "robot",
-        "cell",
-        "size m",
-        "laser",
-        "poses",
-        "home mm",
-        "position mm",
-        "entry points mm",
+    let or_none = |cell: Option<String>| cell.unwrap_or_else(|| "-".to_owned());
+    let mm = |metres: Option<f64>| or_none(metres.map(|metres| format!("{:.3}", 1e3 * metres)));
+    let cells = plan.cells.iter().enumerate().take(PRINTED);
+    table::rows(cells).print(&[
+        ("robot", &|(_, cell)| {
+            plan.robots[cell.combination.robot].name.clone()
+        }),
+        ("cell", &|(index, _)| index.to_string()),
+        ("size m", &|(_, cell)| {
+            or_none(cell.combination.size_m.map(|size| format!("{size:.3}")))
+        }),
+        ("laser", &|(_, cell)| cell.combination.laser.clone()),
+        ("poses", &|(_, cell)| cell.combination.poses.to_string()),
+        ("home mm", &|(_, cell)| mm(cell.combination.home_sd_m)),
+        ("position mm", &|(_, cell)| mm(cell.expected.position_m)),
+        ("entry points mm", &|(_, cell)| mm(cell.expected.entry_m)),
     ]);
-    let mm = |metres: Option<f64>| {
-        metres.map_or_else(|| "-".to_owned(), |metres| format!("{:.3}", 1e3 * metres))
-    };
-    for (index, cell) in plan.cells.iter().enumerate().take(PRINTED) {
-        let combination = &cell.combination;
-        let cells = [
-            plan.robots[combination.robot].name.clone(),
-            index.to_string(),
-            combination
-                .size_m
-                .map_or_else(|| "-".to_owned(), |size| format!("{size:.3}")),
-            combination.laser.clone(),
-            combination.poses.to_string(),
-            mm(combination.home_sd_m),
-            mm(cell.expected.position_m),
-            mm(cell.expected.entry_m),
-        ];
-        table::push(&mut table, &cells);
-    }
-    say!("{table}");
     if plan.cells.len() > PRINTED {
         say!("{} more cells are in {PLAN}", plan.cells.len() - PRINTED);
     }

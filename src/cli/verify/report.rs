@@ -5,7 +5,7 @@ use tautline_workflow::accuracy::{Accuracy, VerificationDocument};
 use tautline_workflow::adjusting::title;
 
 use crate::output::say;
-use crate::table;
+use crate::table::{self, mm};
 
 /// Prints this run and the change by the adjustment.
 pub fn print(document: &VerificationDocument) {
@@ -23,46 +23,34 @@ pub fn print(document: &VerificationDocument) {
 }
 
 fn print_both(before: &Accuracy, after: &Accuracy) {
-    let mut lines = table::numbers(&["mm", "before", "after", "ratio"]);
-    let mut add = |name: String, before_m: f64, after_m: f64| {
-        let cells = [
-            name,
-            table::mm(before_m, 3),
-            table::mm(after_m, 3),
-            format!("{:.1}", before_m / after_m),
-        ];
-        table::push(&mut lines, &cells);
-    };
+    let mut rows = Vec::new();
     if let (Some(b), Some(a)) = (&before.poses, &after.poses) {
-        for (name, b, a) in [
-            (
-                "largest pose accuracy AP",
-                b.largest_accuracy_m,
-                a.largest_accuracy_m,
-            ),
-            (
-                "mean pose accuracy AP",
-                b.mean_accuracy_m,
-                a.mean_accuracy_m,
-            ),
-            (
-                "largest pose repeatability RP",
-                b.largest_repeatability_m,
-                a.largest_repeatability_m,
-            ),
-        ] {
-            add(name.to_owned(), b, a);
-        }
+        let mut add = |name: &str, b, a| rows.push((name.to_owned(), b, a));
+        add(
+            "largest pose accuracy AP",
+            b.largest_accuracy_m,
+            a.largest_accuracy_m,
+        );
+        add(
+            "mean pose accuracy AP",
+            b.mean_accuracy_m,
+            a.mean_accuracy_m,
+        );
+        let [before, after] = [b, a].map(|one| one.largest_repeatability_m);
+        add("largest pose repeatability RP", before, after);
     }
     for b in &before.paths {
-        let Some(a) = after.paths.iter().find(|a| a.target == b.target) else {
-            continue;
-        };
-        add(
-            format!("{}: path accuracy AT", b.target),
-            b.accuracy_m,
-            a.accuracy_m,
-        );
+        if let Some(a) = after.paths.iter().find(|a| a.target == b.target) {
+            let name = format!("{}: path accuracy AT", b.target);
+            rows.push((name, b.accuracy_m, a.accuracy_m));
+        }
     }
-    say!("{lines}");
+    table::rows(rows).print(&[
+        ("mm", &|(name, ..)| name.clone()),
+        ("before", &|(_, before_m, _)| mm(*before_m, 3)),
+        ("after", &|(.., after_m)| mm(*after_m, 3)),
+        ("ratio", &|(_, before_m, after_m)| {
+            format!("{:.1}", before_m / after_m)
+        }),
+    ]);
 }

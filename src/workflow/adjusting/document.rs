@@ -6,7 +6,7 @@ use tautline_link::adjusting::{ControllerValues, Difference};
 use tautline_session::{Outcome, ValueChange, VersionedFile};
 
 /// An attempt to write identified values to a controller.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AdjustmentDocument {
     /// Name of the controller.
     pub controller: String,
@@ -68,14 +68,7 @@ impl AdjustmentDocument {
     pub fn new(controller: String) -> Self {
         Self {
             controller,
-            method: None,
-            chi2: None,
-            interrupted: None,
-            differences: Vec::new(),
-            outcome: String::new(),
-            holds: None,
-            not_restored: Vec::new(),
-            text: None,
+            ..Self::default()
         }
     }
 

@@ -7,7 +7,7 @@ use tautline_core::geometry::Vec3;
 use tautline_core::robot::Robot;
 use tautline_core::statistics::chi_square_survival;
 
-use super::Identification;
+use super::{Identification, entry_point_sd};
 use crate::wording::odds;
 use crate::wording::units::{decimals, fixed, signed};
 
@@ -134,10 +134,7 @@ impl PulleyInspection {
             let columns = entry_point_columns(solution, cable);
             let coordinates = [0, 1, 2].map(|axis| PulleyCoordinate {
                 change_m: entry_m[axis] - nominal_m[axis],
-                sd_m: match columns[axis] {
-                    Some(column) => solution.standard_deviation(column),
-                    None => Some(0.0),
-                },
+                sd_m: entry_point_sd(solution, cable, axis),
                 prior_sd_m: prior_sd_m[axis],
             });
             Some(IdentifiedPulley {

@@ -163,8 +163,10 @@ impl Failure {
     }
 }
 
-fn of_file(file: &'static str) -> impl Fn(&String) -> Failure {
-    move |message| Failure::Fit(file, message.clone())
+/// A successful fit to a file of the dataset.
+fn fitted<'a, F>(file: &'static str, fit: &'a Result<F, String>) -> Result<&'a F, Failure> {
+    fit.as_ref()
+        .map_err(|message| Failure::Fit(file, message.clone()))
 }
 
 impl Precalibration {
@@ -181,31 +183,26 @@ impl Precalibration {
             return Err(Failure::NoTables);
         }
         let winches = fits.winches.iter().map(|PerCable { cable, fit }| {
-            let fit = fit.as_ref().map_err(of_file("winch.csv"))?;
+            let fit = fitted("winch.csv", fit)?;
             Ok(WinchResult::of(&robot.cables[*cable], fit))
         });
         let force_sensors = fits.force_sensors.iter().map(|PerCable { cable, fit }| {
-            let fit = fit.as_ref().map_err(of_file("force.csv"))?;
+            let fit = fitted("force.csv", fit)?;
             Ok(ForceResult::of(&robot.cables[*cable], fit))
         });
-        let home = fits.home.as_ref();
+        let winches = winches.collect::<Result<_, _>>()?;
+        let force_sensors = force_sensors.collect::<Result<_, _>>()?;
+        let home = fits.home.as_ref().map(|fit| fitted("home.csv", fit));
         let elongation = fits.elongation.as_ref();
+        let elongation = elongation.map(|fit| fitted("elongation.csv", fit));
+        let points = phases.elongation.len();
         Ok(Self {
-            winches: winches.collect::<Result<_, _>>()?,
-            force_sensors: force_sensors.collect::<Result<_, _>>()?,
-            home: home
-                .map(|fit| {
-                    fit.as_ref()
-                        .map(HomeResult::of)
-                        .map_err(of_file("home.csv"))
-                })
-                .transpose()?,
+            winches,
+            force_sensors,
+            home: home.transpose()?.map(HomeResult::of),
             elongation: elongation
-                .map(|fit| {
-                    let fit = fit.as_ref().map_err(of_file("elongation.csv"))?;
-                    Ok(ElongationResult::of(phases.elongation.len(), fit))
-                })
-                .transpose()?,
+                .transpose()?
+                .map(|fit| ElongationResult::of(points, fit)),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The content of a report, independent of the file format.
 
+use crate::column::{Column, cells, headings};
 use crate::plot::Drawing;
 
 /// A whole report.
@@ -103,6 +104,16 @@ impl Table {
         }
     }
 
+    /// A table with one row for each item, whose columns are stated next.
+    pub fn of<I: IntoIterator>(caption: impl Into<String>, texts: usize, rows: I) -> Rows<I> {
+        let caption = caption.into();
+        Rows {
+            caption,
+            texts,
+            rows,
+        }
+    }
+
     /// Adds a row.
     pub fn push<const N: usize>(&mut self, cells: [String; N]) {
         debug_assert_eq!(N, self.columns.len(), "one cell for each column");
@@ -112,6 +123,25 @@ impl Table {
     /// Whether it has no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+}
+
+/// The rows of a table before its columns.
+pub struct Rows<I> {
+    caption: String,
+    texts: usize,
+    rows: I,
+}
+
+impl<I: IntoIterator> Rows<I> {
+    /// The table of these columns.
+    pub fn columns(self, columns: &[Column<'_, I::Item>]) -> Table {
+        let mut table = Table::new(self.caption, self.texts, &headings(columns));
+        for row in self.rows {
+            let cells = cells(columns, &row).into_iter();
+            table.rows.push(cells.map(with_minus).collect());
+        }
+        table
     }
 }
 

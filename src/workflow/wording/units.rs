@@ -97,6 +97,17 @@ pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
         .to_owned()
 }
 
+/// An SI quantity in its display unit, with the decimals of a standard deviation, so that a difference can be seen.
+pub fn quantity_to(value: f64, sd: f64, unit: &str) -> String {
+    let (factor, name) = display_unit(unit);
+    let sd = factor * sd;
+    if !(sd.is_finite() && sd > 0.0) {
+        return quantity(value, unit);
+    }
+    let value = fixed(factor * value, decimals(sd));
+    format!("{value} {name}").trim_end().to_owned()
+}
+
 /// The 95 % interval of a quantity with a standard deviation: `0.23 to 0.39 %`, with the digits of [`with_sd`].
 pub fn interval(value: f64, sd: f64, unit: &str) -> String {
     let (factor, name) = display_unit(unit);

@@ -1,7 +1,7 @@
 //! The statistics behind a diagnosis.
 
 use comfy_table::Table;
-use tautline_core::diagnosis::{Adequacy, Discrepancy, Finding, GroupTest};
+use tautline_core::diagnosis::{Adequacy, Discrepancy, Finding, Invisible};
 
 use super::Diagnosed;
 use crate::table;
@@ -83,79 +83,59 @@ fn probability(p_value: f64) -> String {
 }
 
 fn kinds(finding: &Finding) -> Table {
-    let mut rows = table::numbers(&["Reading", "before", "after"]);
-    for kind in &finding.gain.kinds {
-        let cells = [
-            kind.quantity.name().to_owned(),
-            format!("{:.3}", kind.before),
-            format!("{:.3}", kind.after),
-        ];
-        table::push(&mut rows, &cells);
-    }
-    rows
+    table::rows(&finding.gain.kinds).table(&[
+        ("Reading", &|kind| kind.quantity.name().to_owned()),
+        ("before", &|kind| format!("{:.3}", kind.before)),
+        ("after", &|kind| format!("{:.3}", kind.after)),
+    ])
 }
 
 fn ranking(diagnosed: &Diagnosed, finding: &Finding) -> Table {
-    let mut rows = table::numbers(&["Cause", "gained", "parameters", "held out"]);
-    for rival in &finding.evidence.ranking {
-        let cells = [
-            diagnosed.title(&rival.cause),
-            format!("{:.1}", rival.delta_chi2),
-            rival.parameters.to_string(),
-            format!("{:.3}", rival.holdout),
-        ];
-        table::push(&mut rows, &cells);
-    }
-    rows
+    table::rows(&finding.evidence.ranking).table(&[
+        ("Cause", &|rival| diagnosed.title(&rival.cause)),
+        ("gained", &|rival| format!("{:.1}", rival.delta_chi2)),
+        ("parameters", &|rival| rival.parameters.to_string()),
+        ("held out", &|rival| format!("{:.3}", rival.holdout)),
+    ])
 }
 
 fn groups_table(diagnosed: &Diagnosed, adequacy: &Adequacy) -> Table {
-    let mut rows = table::numbers(&["Reading", "cable", "readings", "rms/sd", "p"]);
-    for group in &adequacy.groups {
-        let GroupTest { rms_over_sd, .. } = group;
-        let cells = [
-            group.quantity.name().to_owned(),
+    table::rows(&adequacy.groups).table(&[
+        ("Reading", &|group| group.quantity.name().to_owned()),
+        ("cable", &|group| {
             diagnosed
                 .cable(group.cable)
-                .unwrap_or_else(|| "all".to_owned()),
-            group.readings.to_string(),
-            format!("{rms_over_sd:.3}"),
-            probability(group.p_value),
-        ];
-        table::push(&mut rows, &cells);
-    }
-    rows
+                .unwrap_or_else(|| "all".to_owned())
+        }),
+        ("readings", &|group| group.readings.to_string()),
+        ("rms/sd", &|group| format!("{:.3}", group.rms_over_sd)),
+        ("p", &|group| probability(group.p_value)),
+    ])
 }
 
 fn discrepancy_table(diagnosed: &Diagnosed, discrepancies: &[Discrepancy]) -> Table {
-    let mut rows = table::numbers(&["Reading", "cable", "depends on", "rms/sd", "p"]);
-    for found in discrepancies {
-        let cells = [
-            found.quantity.name().to_owned(),
-            diagnosed.cable(found.cable).unwrap_or_default(),
-            found.variable.name().to_owned(),
-            format!("{:.3}", found.rms_over_sd),
-            probability(found.p_value),
-        ];
-        table::push(&mut rows, &cells);
-    }
-    rows
+    table::rows(discrepancies).table(&[
+        ("Reading", &|found| found.quantity.name().to_owned()),
+        ("cable", &|found| {
+            diagnosed.cable(found.cable).unwrap_or_default()
+        }),
+        ("depends on", &|found| found.variable.name().to_owned()),
+        ("rms/sd", &|found| format!("{:.3}", found.rms_over_sd)),
+        ("p", &|found| probability(found.p_value)),
+    ])
 }
 
 fn invisible_table(diagnosed: &Diagnosed) -> Table {
-    let mut rows = table::numbers(&["Effect", "parameter", "visible from"]);
-    for invisible in &diagnosed.diagnosis.invisible {
-        let (parameter, unit) = invisible.parameter;
-        let smallest = invisible.smallest_visible;
-        let cells = [
-            diagnosed.title(&invisible.cause),
-            parameter.to_owned(),
-            smallest.map_or_else(
-                || "never".to_owned(),
-                |size| quantity(size, unit_of(parameter, unit)),
-            ),
-        ];
-        table::push(&mut rows, &cells);
-    }
-    rows
+    let smallest = |one: &Invisible| {
+        let (parameter, unit) = one.parameter;
+        let smallest = one.smallest_visible;
+        smallest.map(|size| quantity(size, unit_of(parameter, unit)))
+    };
+    table::rows(&diagnosed.diagnosis.invisible).table(&[
+        ("Effect", &|one| diagnosed.title(&one.cause)),
+        ("parameter", &|one| one.parameter.0.to_owned()),
+        ("visible from", &|one| {
+            smallest(one).unwrap_or_else(|| "never".to_owned())
+        }),
+    ])
 }

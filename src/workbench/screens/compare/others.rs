@@ -1,19 +1,17 @@
 //! What is compared besides the pulleys: the motion that all have in common, target plane, home pose, effects, fits.
 
 use egui::Ui;
-use egui_material_icons::icons;
 use tautline_core::comparison::{Comparison, ScalarDifference, Test};
 use tautline_core::effect::find;
 
+use super::pulleys::verdict_cell;
 use crate::model::comparison::Compared;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
-use tautline_workflow::wording::units::{
-    decimals, display_unit, fixed, quantity, unit_of, with_sd,
-};
+use tautline_workflow::wording::units::{quantity_to, unit_of, with_sd};
 
 pub fn show(ui: &mut Ui, compared: &Compared) {
     let comparison = &compared.comparison;
@@ -26,16 +24,8 @@ pub fn show(ui: &mut Ui, compared: &Compared) {
 
 /// Cell of the significance of a difference.
 fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
-    let palette = theme::of(ui);
-    match test {
-        None => Cell::new("not determined").coloured(palette.muted),
-        Some(_) if differs(compared, test) => Cell::new("different")
-            .with_icon(icons::ICON_WARNING)
-            .coloured(palette.warning),
-        Some(_) => Cell::new("unchanged")
-            .with_icon(icons::ICON_CHECK_CIRCLE)
-            .coloured(palette.good),
-    }
+    let differs = test.map(|_| differs(compared, test));
+    verdict_cell(ui, differs, "different")
 }
 
 const SIDE_BY_SIDE: [Column<'_>; 5] = [
@@ -53,15 +43,9 @@ fn side_by_side(
     (name, unit): (String, &str),
     scalar: &ScalarDifference,
 ) -> Vec<Cell> {
-    let (factor, shown) = display_unit(unit);
-    let sd = factor * scalar.sd;
     let value = |value: Option<f64>| match value {
         None => Cell::new("not in its model").coloured(theme::of(ui).muted),
-        Some(value) if sd.is_finite() && sd > 0.0 => {
-            let text = format!("{} {shown}", fixed(factor * value, decimals(sd)));
-            Cell::new(text.trim_end())
-        }
-        Some(value) => Cell::new(quantity(value, unit)),
+        Some(value) => Cell::new(quantity_to(value, scalar.sd, unit)),
     };
     vec![
         Cell::new(name),

@@ -72,19 +72,25 @@ fn chance(test: Test) -> String {
     }
 }
 
+/// Cell of whether something differs, in a word.
+pub(super) fn verdict_cell(ui: &Ui, differs: Option<bool>, word: &str) -> Cell {
+    let palette = theme::of(ui);
+    match differs {
+        None => Cell::new("not determined").coloured(palette.muted),
+        Some(true) => Cell::new(word)
+            .with_icon(icons::ICON_WARNING)
+            .coloured(palette.warning),
+        Some(false) => Cell::new("unchanged")
+            .with_icon(icons::ICON_CHECK_CIRCLE)
+            .coloured(palette.good),
+    }
+}
+
 fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec<Cell> {
     let palette = theme::of(ui);
     let shown = pulley.relative.unwrap_or(pulley.raw);
     let millimetres = |metres: f64| Cell::new(mm(metres, decimals));
-    let verdict = match (pulley.test, pulley.moved) {
-        (None, _) => Cell::new("not determined").coloured(palette.muted),
-        (Some(_), true) => Cell::new("moved")
-            .with_icon(icons::ICON_WARNING)
-            .coloured(palette.warning),
-        (Some(_), false) => Cell::new("unchanged")
-            .with_icon(icons::ICON_CHECK_CIRCLE)
-            .coloured(palette.good),
-    };
+    let verdict = verdict_cell(ui, pulley.test.map(|_| pulley.moved), "moved");
     let [x, y, z] = shown.vector_m.into();
     let chance = pulley.test.map_or_else(String::new, chance);
     vec![

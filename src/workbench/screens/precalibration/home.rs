@@ -3,7 +3,7 @@
 use egui::Ui;
 use tautline_core::geometry::Pose;
 use tautline_core::instrument::HomeMeasurement;
-use tautline_core::robot::HomePlatform;
+use tautline_core::robot::{Home, HomePlatform};
 use tautline_session::{HomeReading, PhaseData};
 
 use super::home_picture;
@@ -14,7 +14,6 @@ use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
 use tautline_workflow::precalibration::Table;
-use tautline_workflow::wording::units::fixed;
 
 const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
     |value| value.fract() == 0.0 && (1.0..=6.0).contains(&value),
@@ -109,41 +108,10 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
 }
 
 fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
-    let columns = [
-        Column::words("Home pose"),
-        Column::number("Current", ""),
-        Column::number("Measured", ""),
-        Column::number("±", ""),
-        Column::number("Repeatability", ""),
-    ];
-    let now = bench.robot().home.map(|home| coordinates(&home.pose()));
-    let new = coordinates(&measured.fix.platform_in_base);
-    let sd: Vec<f64> = measured
-        .fix
-        .position_sd_m
-        .iter()
-        .chain(&measured.fix.orientation_sd_rad)
-        .copied()
-        .collect();
-    let names = ["x (mm)", "y (mm)", "z (mm)", "rx (°)", "ry (°)", "rz (°)"];
-    let rows: Vec<Vec<Cell>> = names
-        .into_iter()
-        .enumerate()
-        .map(|(k, name)| {
-            let shown = if k < 3 { 1e3 } else { 1f64.to_degrees() };
-            let digits = decimals_for(sd[k] * shown, 2, 4);
-            let number = |value: f64| fixed(value * shown, digits);
-            let repeated = measured.repeatability.map(|r| r[k] * shown);
-            vec![
-                Cell::new(name),
-                or_dash(now.map(|now| now[k] * shown), digits),
-                Cell::new(number(new[k])),
-                Cell::new(number(sd[k])),
-                or_dash(repeated, digits),
-            ]
-        })
-        .collect();
-    table(ui, &columns, &rows, None);
+    let (p, r) = (measured.fix.position_sd_m, measured.fix.orientation_sd_rad);
+    let sd = [p[0], p[1], p[2], r[0], r[1], r[2]];
+    let new = ("Measured", &measured.fix.platform_in_base, sd);
+    pose_table(ui, bench.robot().home, new, Some(measured.repeatability));
     if measured.repeatability.is_none() {
         muted(
             ui,
@@ -152,8 +120,33 @@ fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     }
 }
 
+/// The home pose of the robot beside another one with its standard deviations (m, rad), and the repeatability where it can be known.
+pub(super) fn pose_table(
+    ui: &mut Ui,
+    now: Option<Home>,
+    (title, new, sd): (&str, &Pose, [f64; 6]),
+    repeated: Option<Option<[f64; 6]>>,
+) {
+    let titles = ["Current", title, "±"].into_iter();
+    let titles = titles.chain(repeated.map(|_| "Repeatability"));
+    let columns = titles.map(|title| Column::number(title, ""));
+    let columns = [Column::words("Home pose")].into_iter().chain(columns);
+    let now = now.map(|home| coordinates(&home.pose()));
+    let numbers = [now, Some(coordinates(new)), Some(sd)];
+    let names = ["x (mm)", "y (mm)", "z (mm)", "rx (°)", "ry (°)", "rz (°)"];
+    let row = |(k, name): (usize, &str)| {
+        let shown = if k < 3 { 1e3 } else { 1f64.to_degrees() };
+        let digits = decimals_for(sd[k] * shown, 2, 4);
+        let numbers = numbers.into_iter().chain(repeated);
+        let numbers = numbers.map(|of| or_dash(of.map(|of| of[k] * shown), digits));
+        [Cell::new(name)].into_iter().chain(numbers).collect()
+    };
+    let rows: Vec<Vec<Cell>> = names.into_iter().enumerate().map(row).collect();
+    table(ui, &columns.collect::<Vec<_>>(), &rows, None);
+}
+
 /// Position (m) and rotation vector (rad).
-pub(super) fn coordinates(pose: &Pose) -> [f64; 6] {
+fn coordinates(pose: &Pose) -> [f64; 6] {
     let (p, r) = (pose.position, pose.orientation.scaled_axis());
     [p.x, p.y, p.z, r.x, r.y, r.z]
 }

@@ -2,21 +2,19 @@
 
 use egui::{TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
-use tautline_core::instrument::HomeAverage;
-use tautline_core::robot::Home;
 use tautline_session::HomePose;
 use tautline_workflow::wording::units::mm;
 use tautline_workflow::wording::{count, p_value};
 
 use crate::model::edit::Edit;
-use crate::screens::bench_panel::{Bench, decimals_for, or_dash};
+use crate::screens::bench_panel::Bench;
 use crate::theme::GRID;
 use crate::widgets::{
     Cell, Column, PoseFields, Verdict, icon_only, muted, parse_number, primary, section, table,
     verdict,
 };
 
-use super::home::coordinates;
+use super::home::pose_table;
 
 /// Probability of a spread below which the stated standard deviations are doubted.
 const DOUBTFUL: f64 = 0.01;
@@ -169,37 +167,13 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
             verdict(ui, Verdict::Good, &text);
         }
     }
-    pose_table(ui, bench.robot().home, average);
+    let sd = std::array::from_fn(|k| average.covariance[(k, k)].sqrt());
+    let mean = ("Mean", &average.pose, sd);
+    pose_table(ui, bench.robot().home, mean, None);
     bench.propose(
         ui,
         &calibration.with_home,
         "Apply pose",
         "apply measured home pose",
     );
-}
-
-fn pose_table(ui: &mut Ui, home: Option<Home>, average: &HomeAverage) {
-    let columns = [
-        Column::words("Home pose"),
-        Column::number("Current", ""),
-        Column::number("Mean", ""),
-        Column::number("±", ""),
-    ];
-    let now = home.map(|home| coordinates(&home.pose()));
-    let new = coordinates(&average.pose);
-    let names = ["x (mm)", "y (mm)", "z (mm)", "rx (°)", "ry (°)", "rz (°)"];
-    let rows: Vec<Vec<Cell>> = (0..6)
-        .map(|k| {
-            let shown = if k < 3 { 1e3 } else { 1f64.to_degrees() };
-            let sd = average.covariance[(k, k)].sqrt() * shown;
-            let digits = decimals_for(sd, 2, 4);
-            vec![
-                Cell::new(names[k]),
-                or_dash(now.map(|now| now[k] * shown), digits),
-                or_dash(Some(new[k] * shown), digits),
-                or_dash(Some(sd), digits),
-            ]
-        })
-        .collect();
-    table(ui, &columns, &rows, None);
 }

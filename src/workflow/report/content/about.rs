@@ -33,19 +33,12 @@ pub fn log(session: &Session) -> Option<Section> {
         return None;
     }
     let mut section = Section::new("Log of the session");
-    let mut table = Table::new(
-        "Steps of the operator, the oldest first",
-        3,
-        &["Time", "Part", "Step"],
-    );
-    for entry in session.log() {
-        table.push([
-            when(entry.time).replace(' ', "\u{a0}"),
-            phase(entry.phase).to_owned(),
-            entry.text.clone(),
-        ]);
-    }
-    section.table(table);
+    let table = Table::of("Steps of the operator, the oldest first", 3, session.log());
+    section.table(table.columns(&[
+        ("Time", &|entry| when(entry.time).replace(' ', "\u{a0}")),
+        ("Part", &|entry| phase(entry.phase).to_owned()),
+        ("Step", &|entry| entry.text.clone()),
+    ]));
     Some(section)
 }
 

@@ -76,21 +76,23 @@ fn table(budget: &BudgetDocument, summary: &[SourceSummary]) -> Table {
     headings.push("others %".to_owned());
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     let mut table = Table::new("Shares of the variance", 1, &headings);
-    let mut push = |name: &str, of: &VarianceBudget| {
+    for (name, of) in variances(budget) {
         let shares = sources.iter().map(|source| 100.0 * of.share(source));
         let shares: Vec<f64> = shares.collect();
         let mut cells = vec![name.to_owned(), number(1e3 * of.sd_m(), 2)];
         cells.extend(shares.iter().map(|share| number(*share, 0)));
         cells.push(number((100.0 - shares.iter().sum::<f64>()).max(0.0), 0));
         table.rows.push(cells);
-    };
-    for pulley in &budget.pulleys {
-        push(&pulley.cable, &pulley.budget);
-    }
-    if let Some(position) = &budget.position {
-        push("Position of the platform", position);
     }
     table
+}
+
+/// The variances of the pulleys, then of the position, with their names.
+fn variances(budget: &BudgetDocument) -> impl Iterator<Item = (&str, &VarianceBudget)> {
+    let pulleys = budget.pulleys.iter();
+    let pulleys = pulleys.map(|one| (one.cable.as_str(), &one.budget));
+    let position = budget.position.iter();
+    pulleys.chain(position.map(|of| ("Position of the platform", of)))
 }
 
 /// The sources of type A with their degrees of freedom.
@@ -107,40 +109,27 @@ fn evaluated(budget: &BudgetDocument) -> String {
 
 /// Expanded uncertainty of each pulley and of the position.
 fn expanded(budget: &BudgetDocument) -> Table {
-    let mut table = Table::new(
-        "Expanded uncertainty",
-        1,
-        &[
-            "Value",
-            "standard uncertainty mm",
-            "effective degrees of freedom",
-            "k",
-            "expanded uncertainty mm",
-        ],
-    );
-    let mut push = |name: &str, of: &VarianceBudget| {
+    let rows = variances(budget).map(|(name, of)| {
         let factor = budget.coverage_factor(of);
-        let freedom = budget.effective_degrees_of_freedom(of);
-        let expanded = 1e3 * factor * of.sd_m();
-        let digits = decimals_of_uncertainty(expanded);
-        table.push([
-            name.to_owned(),
-            fixed(1e3 * of.sd_m(), digits),
-            match freedom < MANY {
-                true => number(freedom.floor(), 0),
-                false => format!("above {MANY:.0}"),
-            },
-            fixed(factor, 2),
-            fixed(expanded, digits),
-        ]);
-    };
-    for pulley in &budget.pulleys {
-        push(&pulley.cable, &pulley.budget);
-    }
-    if let Some(position) = &budget.position {
-        push("Position of the platform", position);
-    }
-    table
+        let digits = decimals_of_uncertainty(1e3 * factor * of.sd_m());
+        (name, of, factor, digits)
+    });
+    Table::of("Expanded uncertainty", 1, rows).columns(&[
+        ("Value", &|(name, ..)| (*name).to_owned()),
+        ("standard uncertainty mm", &|(_, of, _, digits)| {
+            fixed(1e3 * of.sd_m(), *digits)
+        }),
+        ("effective degrees of freedom", &|(_, of, ..)| match budget
+            .effective_degrees_of_freedom(of)
+        {
+            freedom if freedom < MANY => number(freedom.floor(), 0),
+            _ => format!("above {MANY:.0}"),
+        }),
+        ("k", &|(_, _, factor, _)| fixed(*factor, 2)),
+        ("expanded uncertainty mm", &|(_, of, factor, digits)| {
+            fixed(1e3 * factor * of.sd_m(), *digits)
+        }),
+    ])
 }
 
 /// Coverage intervals by propagation of distributions beside those of the linear budget.

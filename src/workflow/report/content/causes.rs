@@ -1,6 +1,7 @@
 //! The diagnosis of the model.
 
 use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
+use tautline_core::geometry::Pose;
 
 use super::{NONE, number};
 use crate::diagnosis::Diagnosed;
@@ -189,23 +190,20 @@ fn gain_interval(finding: &Finding) -> Option<String> {
 }
 
 fn poses(separation: &Separation) -> Table {
-    let mut table = Table::new(
-        format!(
-            "Poses to measure, the most informative first; with them the chi-squares of the two best causes are expected to differ by {:.0}. Angles: rotation vector in the base frame",
-            separation.expected_delta_chi2
-        ),
-        1,
-        &["Pose", "x mm", "y mm", "z mm", "rx °", "ry °", "rz °"],
+    let caption = format!(
+        "Poses to measure, the most informative first; with them the chi-squares of the two best causes are expected to differ by {:.0}. Angles: rotation vector in the base frame",
+        separation.expected_delta_chi2
     );
-    for (index, pose) in separation.poses.iter().enumerate() {
-        let position = pose.position.map(|v| number(1e3 * v, 0));
-        let rotation = pose
-            .orientation
-            .scaled_axis()
-            .map(|v| number(v.to_degrees(), 1));
-        let [x, y, z]: [String; 3] = position.into();
-        let [rx, ry, rz]: [String; 3] = rotation.into();
-        table.push([(index + 1).to_string(), x, y, z, rx, ry, rz]);
-    }
-    table
+    let mm = |pose: &Pose, axis: usize| number(1e3 * pose.position[axis], 0);
+    let angle =
+        |pose: &Pose, axis: usize| number(pose.orientation.scaled_axis()[axis].to_degrees(), 1);
+    Table::of(caption, 1, separation.poses.iter().enumerate()).columns(&[
+        ("Pose", &|(index, _)| (index + 1).to_string()),
+        ("x mm", &|(_, pose)| mm(pose, 0)),
+        ("y mm", &|(_, pose)| mm(pose, 1)),
+        ("z mm", &|(_, pose)| mm(pose, 2)),
+        ("rx °", &|(_, pose)| angle(pose, 0)),
+        ("ry °", &|(_, pose)| angle(pose, 1)),
+        ("rz °", &|(_, pose)| angle(pose, 2)),
+    ])
 }

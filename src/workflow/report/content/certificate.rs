@@ -142,34 +142,19 @@ fn label(instrument: &CalibratedInstrument) -> &str {
 /// The calibrations of the instruments, and the conditions of measuring.
 pub fn conditions(session: &Session, now: Timestamp, section: &mut Section) {
     let details = &session.settings.certificate;
-    let mut table = Table::new(
-        "Calibrations of the instruments, to which the results are traceable",
-        6,
-        &[
-            "Instrument",
-            "serial number",
-            "certificate",
-            "calibrated on",
-            "due on",
-            "traceable to",
-        ],
-    );
     let used = when_used(details, now);
-    for instrument in &details.instruments {
-        let due = match instrument.is_overdue(used) {
-            true => format!("{}, overdue", instrument.due_on),
-            false => instrument.due_on.clone(),
-        };
-        table.push([
-            label(instrument).to_owned(),
-            instrument.serial_number.clone(),
-            instrument.certificate.clone(),
-            instrument.calibrated_on.clone(),
-            due,
-            instrument.traceable_to.clone(),
-        ]);
-    }
-    section.table(table);
+    let caption = "Calibrations of the instruments, to which the results are traceable";
+    section.table(Table::of(caption, 6, &details.instruments).columns(&[
+        ("Instrument", &|one| label(one).to_owned()),
+        ("serial number", &|one| one.serial_number.clone()),
+        ("certificate", &|one| one.certificate.clone()),
+        ("calibrated on", &|one| one.calibrated_on.clone()),
+        ("due on", &|one| match one.is_overdue(used) {
+            true => format!("{}, overdue", one.due_on),
+            false => one.due_on.clone(),
+        }),
+        ("traceable to", &|one| one.traceable_to.clone()),
+    ]));
     let mut facts = Vec::new();
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     if let Some(celsius) = details.temperature_c {

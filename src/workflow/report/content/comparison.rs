@@ -1,6 +1,6 @@
 //! Content of the report of a comparison of two sessions.
 
-use tautline_core::comparison::{Comparison, PulleyDifference};
+use tautline_core::comparison::{Comparison, PulleyDifference, ScalarDifference};
 use tautline_core::estimation::Observation;
 
 use super::{displacements, number, signatures, signed, titled, when};
@@ -10,7 +10,7 @@ use crate::report::deviations::Deviation;
 use crate::report::document::{Block, Document, Section, Table};
 use crate::report::input::ComparisonInput;
 use crate::report::plots;
-use crate::wording::units::{decimals, display_unit, fixed, mm, quantity, significant, with_sd};
+use crate::wording::units::{mm, quantity_to, significant, with_sd};
 use crate::wording::{PROGRAM, count, ratio, sentence};
 
 /// The whole content.
@@ -81,38 +81,24 @@ fn pulleys(input: &ComparisonInput<'_>) -> Section {
 }
 
 fn differences(compared: &Comparison) -> Table {
-    let mut table = Table::new(
-        format!(
-            "Differences; a pulley counts as moved if noise alone would cause one in fewer than {} of 100 comparisons",
-            significant(100.0 * compared.level, 2)
-        ),
-        1,
-        &[
-            "Pulley",
-            "dx mm",
-            "dy mm",
-            "dz mm",
-            "length mm",
-            "standard deviation mm",
-            "by chance",
-            "verdict",
-        ],
+    let caption = format!(
+        "Differences; a pulley counts as moved if noise alone would cause one in fewer than {} of 100 comparisons",
+        significant(100.0 * compared.level, 2)
     );
-    for pulley in &compared.pulleys {
-        let shown = pulley.relative.unwrap_or(pulley.raw);
-        let [x, y, z] = [0, 1, 2].map(|k| signed(1e3 * shown.vector_m[k], 2));
-        table.push([
-            pulley.cable.clone(),
-            x,
-            y,
-            z,
-            mm(shown.length_m(), 2),
-            mm(shown.length_sd_m(), 2),
-            chance(pulley),
-            called(pulley).to_owned(),
-        ]);
-    }
-    table
+    let shown = |pulley: &PulleyDifference| pulley.relative.unwrap_or(pulley.raw);
+    let along = |pulley: &PulleyDifference, k: usize| signed(1e3 * shown(pulley).vector_m[k], 2);
+    Table::of(caption, 1, &compared.pulleys).columns(&[
+        ("Pulley", &|one| one.cable.clone()),
+        ("dx mm", &|one| along(one, 0)),
+        ("dy mm", &|one| along(one, 1)),
+        ("dz mm", &|one| along(one, 2)),
+        ("length mm", &|one| mm(shown(one).length_m(), 2)),
+        ("standard deviation mm", &|one| {
+            mm(shown(one).length_sd_m(), 2)
+        }),
+        ("by chance", &|one| chance(one)),
+        ("verdict", &|one| called(one).to_owned()),
+    ])
 }
 
 fn chance(pulley: &PulleyDifference) -> String {
@@ -134,46 +120,32 @@ fn called(pulley: &PulleyDifference) -> &'static str {
 /// Differences of the target plane and effects.
 fn others(compared: &Comparison) -> Section {
     let mut section = Section::new("Other differences");
-    let mut table = Table::new(
-        "Target plane and effects",
-        1,
-        &["Quantity", "first", "second", "difference", "verdict"],
-    );
-    let mut push =
-        |name: String, unit: &str, size: &tautline_core::comparison::ScalarDifference| {
-            let value = |value: Option<f64>| {
-                let (factor, name) = display_unit(unit);
-                value.map_or_else(
-                    || super::NONE.to_owned(),
-                    // With the decimals of the difference, so that it can be seen.
-                    |value| match factor * size.sd {
-                        sd if sd.is_finite() && sd > 0.0 => {
-                            let value = fixed(factor * value, decimals(sd));
-                            format!("{value} {name}").trim_end().to_owned()
-                        }
-                        _ => quantity(value, unit),
-                    },
-                )
-            };
-            let verdict = match differs(compared, size.test) {
-                true => "different",
-                false => "unchanged",
-            };
-            table.push([
-                name,
-                value(size.first),
-                value(size.second),
-                with_sd(size.difference, size.sd, unit),
-                verdict.to_owned(),
-            ]);
-        };
-    if let Some(plane) = &compared.plane {
-        push("Target plane".to_owned(), "m", plane);
-    }
-    for effect in &compared.effects {
-        push(sentence(&effect_name(effect)), &effect.unit, &effect.size);
-    }
-    section.table(table);
+    let plane = compared.plane.iter();
+    let plane = plane.map(|plane| ("Target plane".to_owned(), "m", plane));
+    let effects = compared.effects.iter();
+    let effects = effects.map(|one| (sentence(&effect_name(one)), one.unit.as_str(), &one.size));
+    let value = |(_, unit, size): &(String, &str, &ScalarDifference), value: Option<f64>| {
+        value.map_or_else(
+            || super::NONE.to_owned(),
+            |value| quantity_to(value, size.sd, unit),
+        )
+    };
+    let table = Table::of("Target plane and effects", 1, plane.chain(effects));
+    section.table(table.columns(&[
+        ("Quantity", &|(name, ..)| name.clone()),
+        ("first", &|row| value(row, row.2.first)),
+        ("second", &|row| value(row, row.2.second)),
+        ("difference", &|(_, unit, size)| {
+            with_sd(size.difference, size.sd, unit)
+        }),
+        (
+            "verdict",
+            &|(.., size)| match differs(compared, size.test) {
+                true => "different".to_owned(),
+                false => "unchanged".to_owned(),
+            },
+        ),
+    ]));
     section
 }
 

@@ -1,10 +1,8 @@
 //! Displacements of the pulleys from the drawing, as drawings.
 
-use nalgebra::Vector3;
-
 use tautline_session::DecisionRule;
 
-use crate::identification::{Identification, entry_point_covariance};
+use crate::identification::{Identification, PulleyInspection};
 use crate::report::deviations::{Deviation, coordinates, views};
 use crate::report::document::{Block, Section};
 use crate::report::tolerance::Conformity;
@@ -12,25 +10,21 @@ use crate::wording::units::significant;
 
 /// The displacement of each pulley; those outside the tolerance are highlighted.
 pub fn deviations(fit: &Identification, judged: Option<(DecisionRule, f64)>) -> Vec<Deviation> {
-    let found = fit.solution.globals.entry_points.iter();
-    let nominal = fit.dataset.robot.cables.iter();
-    nominal
-        .zip(found)
-        .enumerate()
-        .map(|(index, (cable, found))| {
-            let from = Vector3::from(cable.pulley.entry_point_m);
-            let mut deviation = Deviation {
-                from,
-                by: Vector3::from(*found) - from,
-                covariance: entry_point_covariance(&fit.solution, index),
-                is_marked: false,
-            };
-            deviation.is_marked = judged.is_some_and(|(rule, tolerance_m)| {
-                deviation.conformity(rule, tolerance_m) == Conformity::Outside
-            });
-            deviation
-        })
-        .collect()
+    let cables = 0..fit.dataset.robot.cable_count();
+    let pulleys = cables.filter_map(|k| PulleyInspection::of(&fit.dataset.robot, Some(fit), k));
+    let deviation = |pulley: PulleyInspection| {
+        let mut deviation = Deviation {
+            from: pulley.nominal_m,
+            by: pulley.displacement_m()?,
+            covariance: pulley.identified?.covariance,
+            is_marked: false,
+        };
+        deviation.is_marked = judged.is_some_and(|(rule, tolerance_m)| {
+            deviation.conformity(rule, tolerance_m) == Conformity::Outside
+        });
+        Some(deviation)
+    };
+    pulleys.filter_map(deviation).collect()
 }
 
 /// Three views, and the coordinates with their intervals.

@@ -70,37 +70,32 @@ fn verdict(fit: &Identification) -> String {
 }
 
 fn kinds(fit: &Identification) -> Table {
-    let mut table = Table::new(
-        "Residuals by kind of reading: root mean square, and relative to noise alone",
-        2,
-        &[
-            "Reading",
-            "unit",
-            "number",
-            "residual",
-            "relative to noise",
-            "beyond 3",
-        ],
-    );
-    for quantity in Quantity::ALL {
+    let all = &fit.analysis.observations;
+    let kinds = Quantity::ALL.into_iter().filter_map(|quantity| {
         let own = |one: &&Observation| group_of(one.kind).is_some_and(|(q, _)| q == quantity);
-        let readings: Vec<&Observation> = fit.analysis.observations.iter().filter(own).collect();
-        if readings.is_empty() {
-            continue;
-        }
-        let (factor, unit) = display_unit(unit_of_reading(quantity));
+        let readings: Vec<&Observation> = all.iter().filter(own).collect();
         let normalised: Vec<f64> = readings.iter().filter_map(|r| r.normalised()).collect();
-        let beyond = normalised.iter().filter(|r| r.abs() > 3.0).count();
-        table.push([
-            sentence(quantity.name()),
-            unit.to_owned(),
-            readings.len().to_string(),
-            number(factor * rms(readings.iter().map(|r| r.residual())), 3),
-            number(rms(normalised.iter().copied()), 2),
-            beyond.to_string(),
-        ]);
-    }
-    table
+        (!readings.is_empty()).then_some((quantity, readings, normalised))
+    });
+    let caption = "Residuals by kind of reading: root mean square, and relative to noise alone";
+    Table::of(caption, 2, kinds).columns(&[
+        ("Reading", &|(quantity, ..)| sentence(quantity.name())),
+        ("unit", &|(quantity, ..)| {
+            display_unit(unit_of_reading(*quantity)).1.to_owned()
+        }),
+        ("number", &|(_, readings, _)| readings.len().to_string()),
+        ("residual", &|(quantity, readings, _)| {
+            let (factor, _) = display_unit(unit_of_reading(*quantity));
+            number(factor * rms(readings.iter().map(|r| r.residual())), 3)
+        }),
+        ("relative to noise", &|(.., normalised)| {
+            number(rms(normalised.iter().copied()), 2)
+        }),
+        ("beyond 3", &|(.., normalised)| {
+            let beyond = normalised.iter().filter(|r| r.abs() > 3.0);
+            beyond.count().to_string()
+        }),
+    ])
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -142,20 +137,18 @@ fn suspects(fit: &Identification, section: &mut Section) {
         0 => String::new(),
         more => format!(", the worst {SUSPECTS} of {}", more + SUSPECTS),
     };
-    let mut table = Table::new(
-        format!("Outliers{more}: check these poses"),
-        1,
-        &["Reading", "pose", "standard deviations"],
-    );
+    let caption = format!("Outliers{more}: check these poses");
     let labels = &fit.dataset.measurements.labels;
-    for reading in suspects.iter().take(SUSPECTS) {
-        table.push([
-            sentence(&reading_name(&fit.dataset.robot, reading.kind)),
-            labels
-                .get(reading.row)
-                .map_or_else(String::new, i64::to_string),
-            signed(reading.normalised().unwrap_or(f64::NAN), 1),
-        ]);
-    }
-    section.table(table);
+    let table = Table::of(caption, 1, suspects.iter().take(SUSPECTS));
+    section.table(table.columns(&[
+        ("Reading", &|one| {
+            sentence(&reading_name(&fit.dataset.robot, one.kind))
+        }),
+        ("pose", &|one| {
+            labels.get(one.row).map_or_else(String::new, i64::to_string)
+        }),
+        ("standard deviations", &|one| {
+            signed(one.normalised().unwrap_or(f64::NAN), 1)
+        }),
+    ]));
 }

@@ -3,7 +3,7 @@
 use tautline_core::estimation::ParameterId;
 
 use super::{NONE, displacements, number, signed};
-use crate::identification::{Identification, nominal_and_value, unit_of_value};
+use crate::identification::{Identification, PulleyInspection, nominal_and_value, unit_of_value};
 use crate::report::document::{Section, Table};
 use crate::report::input::ReportInput;
 use crate::wording::units::{decimals_of_uncertainty, display_unit};
@@ -60,63 +60,52 @@ fn common_decimals(sds: impl Iterator<Item = f64>) -> usize {
         .map_or(2, |sd| decimals_of_uncertainty(*sd).min(FINEST))
 }
 
-/// Standard deviation of a parameter; `None` if the data do not determine it.
-fn sd(fit: &Identification, id: &ParameterId) -> Option<f64> {
-    let index = fit.solution.parameters.iter().position(|p| p.id == *id)?;
-    fit.solution.standard_deviation(index)
-}
-
-fn is_estimated(fit: &Identification, id: &ParameterId) -> bool {
-    fit.solution.parameters.iter().any(|p| p.id == *id)
-}
-
 fn entry_points(fit: &Identification) -> Table {
-    let mut table = Table::new(
-        "Entry points of the cables at their pulleys (mm, base frame)",
-        2,
-        &[
-            "Cable",
-            "axis",
-            "nominal",
-            "identified",
-            "difference",
-            "standard deviation",
-            "expanded uncertainty",
-        ],
-    );
+    let robot = &fit.dataset.robot;
+    let cables = 0..robot.cable_count();
+    let pulleys = cables.filter_map(|cable| PulleyInspection::of(robot, Some(fit), cable));
+    let pulleys: Vec<PulleyInspection> = pulleys.collect();
     let budget = fit.budget();
-    let id = |cable, axis| ParameterId::EntryPoint { cable, axis };
-    let cables = &fit.dataset.robot.cables;
-    let all = (0..cables.len()).flat_map(|cable| (0..3).map(move |axis| (cable, axis)));
-    let digits = common_decimals(
-        all.filter_map(|(c, a)| sd(fit, &id(c, a)))
-            .map(|sd| 1e3 * sd),
-    );
-    let points = cables.iter().zip(&fit.solution.globals.entry_points);
-    for (cable, (description, found)) in points.enumerate() {
-        let factor = (budget.as_ref()).and_then(|all| all.coverage_factor_of(&description.name));
-        for (axis, label) in ["x", "y", "z"].into_iter().enumerate() {
-            let nominal = description.pulley.entry_point_m[axis];
-            let sd = sd(fit, &id(cable, axis));
-            let expanded = sd.zip(factor).map(|(sd, factor)| 1e3 * factor * sd);
-            let sd = match sd {
+    let rows = pulleys.iter().flat_map(|pulley| {
+        let factor = (budget.as_ref()).and_then(|all| all.coverage_factor_of(&pulley.name));
+        let axes = (0..3).filter_map(move |axis| Some((pulley.identified.as_ref()?, axis)));
+        axes.map(move |(found, axis)| (pulley, factor, found, axis))
+    });
+    let rows: Vec<_> = rows.collect();
+    let sds = rows
+        .iter()
+        .filter_map(|(.., found, axis)| found.coordinates[*axis].sd_m);
+    let digits = common_decimals(sds.map(|sd| 1e3 * sd));
+    let caption = "Entry points of the cables at their pulleys (mm, base frame)";
+    Table::of(caption, 2, &rows).columns(&[
+        ("Cable", &|(pulley, .., axis)| match axis {
+            0 => pulley.name.clone(),
+            _ => String::new(),
+        }),
+        ("axis", &|(.., axis)| ["x", "y", "z"][*axis].to_owned()),
+        ("nominal", &|(pulley, .., axis)| {
+            number(1e3 * pulley.nominal_m[*axis], digits)
+        }),
+        ("identified", &|(.., found, axis)| {
+            number(1e3 * found.entry_m[*axis], digits)
+        }),
+        ("difference", &|(.., found, axis)| {
+            signed(1e3 * found.coordinates[*axis].change_m, digits)
+        }),
+        (
+            "standard deviation",
+            &|(.., found, axis)| match found.coordinates[*axis].sd_m {
+                Some(0.0) => "given".to_owned(),
                 Some(sd) => number(1e3 * sd, digits),
-                None if is_estimated(fit, &id(cable, axis)) => "undetermined".to_owned(),
-                None => "given".to_owned(),
-            };
-            let name = if axis == 0 { &description.name } else { "" };
-            table.push([
-                name.to_owned(),
-                label.to_owned(),
-                number(1e3 * nominal, digits),
-                number(1e3 * found[axis], digits),
-                signed(1e3 * (found[axis] - nominal), digits),
-                sd,
-                expanded.map_or_else(|| NONE.to_owned(), |mm| number(mm, digits)),
-            ]);
-        }
-    }
-    table
+                None => "undetermined".to_owned(),
+            },
+        ),
+        ("expanded uncertainty", &|(_, factor, found, axis)| {
+            let sd = found.coordinates[*axis].sd_m.filter(|sd| *sd != 0.0);
+            let expanded = sd.zip(*factor).map(|(sd, factor)| 1e3 * factor * sd);
+            expanded.map_or_else(|| NONE.to_owned(), |mm| number(mm, digits))
+        }),
+    ])
 }
 
 /// Indices of the deviations of parts that lie within their tolerances.

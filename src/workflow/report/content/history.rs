@@ -38,32 +38,24 @@ fn result(input: &HistoryInput<'_>) -> Section {
 
 fn sessions(input: &HistoryInput<'_>) -> Section {
     let mut section = Section::new("Sessions");
-    let mut table = Table::new(
-        "Standard deviations and moves are the largest of all pulleys, with all sessions taken into account".to_owned(),
-        3,
-        &[
-            "Session",
-            "measured",
-            "operator",
-            "poses",
-            "standard deviation mm",
-            "move since before mm",
-            "accuracy after mm",
-        ],
-    );
+    let caption = "Standard deviations and moves are the largest of all pulleys, with all sessions taken into account";
     let millimetres = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |m| mm(m, 2));
-    for row in rows(input.record, input.found) {
-        table.push([
-            row.name,
-            row.time.map_or_else(|| NONE.to_owned(), date),
-            row.operator.unwrap_or_default(),
-            row.poses.to_string(),
-            mm(row.largest_sd_m, 2),
-            millimetres(row.largest_move_m),
-            millimetres(row.accuracy_after_m),
-        ]);
-    }
-    section.table(table);
+    let table = Table::of(caption, 3, rows(input.record, input.found));
+    section.table(table.columns(&[
+        ("Session", &|row| row.name.clone()),
+        ("measured", &|row| {
+            row.time.map_or_else(|| NONE.to_owned(), date)
+        }),
+        ("operator", &|row| row.operator.clone().unwrap_or_default()),
+        ("poses", &|row| row.poses.to_string()),
+        ("standard deviation mm", &|row| mm(row.largest_sd_m, 2)),
+        ("move since before mm", &|row| {
+            millimetres(row.largest_move_m)
+        }),
+        ("accuracy after mm", &|row| {
+            millimetres(row.accuracy_after_m)
+        }),
+    ]));
     section
 }
 

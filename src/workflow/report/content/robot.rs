@@ -52,38 +52,24 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
 }
 
 fn cables(robot: &Robot) -> Table {
-    let mut table = Table::new(
-        "Cables, from the drawing and the first two phases",
-        1,
-        &[
-            "Cable",
-            "Pulley radius mm",
-            "Drum diameter mm",
-            "Length noise mm",
-            "Tension noise N",
+    let caption = "Cables, from the drawing and the first two phases";
+    Table::of(caption, 1, &robot.cables).columns(&[
+        ("Cable", &|one| one.name.clone()),
+        ("Pulley radius mm", &|one| mm(one.pulley.radius_m, 1)),
+        ("Drum diameter mm", &|one| mm(one.winch.drum_diameter_m, 1)),
+        ("Length noise mm", &|one| mm(one.winch.length_sd_m, 2)),
+        ("Tension noise N", &|one| {
+            let sensor = one.force_sensor.as_ref();
+            sensor.map_or_else(|| NONE.to_owned(), |s| number(s.tension_sd_n, 1))
+        }),
+        (
             "Stiffness kN",
-            "Weight N/m",
-        ],
-    );
-    for cable in &robot.cables {
-        let stiffness = match (
-            &cable.cable.elongation_surface,
-            cable.cable.axial_stiffness_n,
-        ) {
-            (Some(_), _) => "measured".to_owned(),
-            (None, Some(stiffness_n)) => number(1e-3 * stiffness_n, 1),
-            (None, None) => "inelastic".to_owned(),
-        };
-        let sensor = cable.force_sensor.as_ref();
-        table.push([
-            cable.name.clone(),
-            mm(cable.pulley.radius_m, 1),
-            mm(cable.winch.drum_diameter_m, 1),
-            mm(cable.winch.length_sd_m, 2),
-            sensor.map_or_else(|| NONE.to_owned(), |s| number(s.tension_sd_n, 1)),
-            stiffness,
-            number(cable.cable.weight_n_per_m, 3),
-        ]);
-    }
-    table
+            &|one| match (&one.cable.elongation_surface, one.cable.axial_stiffness_n) {
+                (Some(_), _) => "measured".to_owned(),
+                (None, Some(stiffness_n)) => number(1e-3 * stiffness_n, 1),
+                (None, None) => "inelastic".to_owned(),
+            },
+        ),
+        ("Weight N/m", &|one| number(one.cable.weight_n_per_m, 3)),
+    ])
 }
