@@ -58,7 +58,7 @@ impl FitProgress {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Before {
     pub what: String,
-    /// Root mean square of the normalized residuals.
+    /// Root mean square of the residuals over that of noise alone.
     pub missed: Option<f64>,
     pub chi2: f64,
     pub degrees_of_freedom: f64,

@@ -21,7 +21,7 @@ pub(super) enum Operation {
 }
 
 impl Operation {
-    /// Whether it continues without an answer of the operator or the disk.
+    /// Whether it continues without an answer from the operator or the disk.
     pub fn needs_ticks(&self) -> bool {
         match self {
             Self::None => false,
@@ -47,7 +47,7 @@ impl Operation {
         }
     }
 
-    /// What the controller holds at the end of a run that is about to be aborted.
+    /// Controller values at the end of a run that is about to be aborted.
     pub fn values_at_end(&mut self, controller: &mut dyn Controller) -> Option<DriverEvent> {
         let Self::Measuring(measuring) = self else {
             return None;
@@ -70,7 +70,7 @@ impl Operation {
         }
     }
 
-    /// Time until a verification is over (s).
+    /// Remaining time of a verification (s).
     pub fn remaining_s(&self) -> Option<f64> {
         match self {
             Self::Verifying(v) => v.remaining_s(),
@@ -86,7 +86,7 @@ impl Operation {
     }
 }
 
-/// A measuring run, with what new poses are compared with.
+/// Measuring run with the model that predicts its poses.
 pub(super) struct Measuring {
     pub run: MeasuringRun,
     pub poses: HashMap<i64, Pose>,
@@ -97,12 +97,12 @@ pub(super) struct Measuring {
 }
 
 impl Measuring {
-    /// Whether it continues without an answer of the operator or the disk.
+    /// Whether it continues without an answer from the operator or the disk.
     pub fn needs_ticks(&self) -> bool {
         !self.run.is_paused() && self.run.stage() != Phase::Storing
     }
 
-    /// Measures one more pose.
+    /// Adds a pose to the run.
     pub fn add(&mut self, label: i64, pose: Pose) {
         self.poses.insert(label, pose);
         self.run.add(label, pose);
@@ -180,23 +180,23 @@ impl Measuring {
     }
 }
 
-/// A verification run; the platform goes home first.
+/// Verification run; the platform first moves home.
 pub(super) struct Verifying {
     pub run: VerifyingRun,
     pub stage: Stage,
     rows: Vec<CheckRow>,
-    /// Number of rows from before it was continued.
+    /// Number of rows measured before it was continued.
     begun_with: usize,
     doing: Doing,
-    /// Where the operator types the poses.
+    /// Instrument whose poses the operator types.
     pub typed: Option<TypedInstrument>,
     is_home: bool,
-    /// When the first and the last target were commanded (s), by the controller's clock.
+    /// Times of the commands to the first and the last target (s, clock of the controller).
     commanded_s: Option<[f64; 2]>,
 }
 
 impl Verifying {
-    /// A run over targets, of which `rows` are measured; without an instrument the operator types the poses.
+    /// Verification over targets, `rows` of which are measured; without an instrument the operator types the poses.
     pub fn new(
         targets: Vec<CheckTarget>,
         (stage, rows): (Stage, Vec<CheckRow>),
@@ -220,7 +220,7 @@ impl Verifying {
         }
     }
 
-    /// Time until the last target is measured (s), from the targets so far.
+    /// Remaining time until the last target is measured (s), from the targets so far.
     pub fn remaining_s(&self) -> Option<f64> {
         let [first_s, last_s] = self.commanded_s?;
         let (Doing::Verifying { done, of } | Doing::Locating { number: done, of }) = self.doing
@@ -239,7 +239,7 @@ impl Verifying {
         instrument: Option<&mut (dyn Instrument + 'static)>,
     ) -> Vec<DriverEvent> {
         if !self.is_home && controller.state().activity == Activity::Moving {
-            // A sample updates the state; its errors show there.
+            // Sampling updates the state, which shows errors.
             let _ = controller.sample();
             return Vec::new();
         }

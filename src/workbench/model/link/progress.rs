@@ -5,7 +5,7 @@ use tautline_workflow::sequential::SequentialRun;
 use super::{Doing, Link};
 
 impl Link {
-    /// The current operation as a sentence.
+    /// Current operation as a sentence.
     #[must_use]
     pub fn doing(&self) -> Option<String> {
         let doing = self.live().doing;
@@ -35,7 +35,7 @@ impl Link {
         })
     }
 
-    /// Number of poses done and to do in the current operation.
+    /// Number of poses done, and of all poses, in the current operation.
     #[must_use]
     pub fn done_of(&self) -> Option<[usize; 2]> {
         if let Some(run) = self.run.as_ref().filter(|run| !run.has_ended()) {
@@ -61,7 +61,7 @@ impl Link {
         Some(left_s? / self.speed())
     }
 
-    /// The remaining time in words: "2 min left".
+    /// Remaining time in words, such as "2 min left".
     #[must_use]
     pub fn time_left(&self) -> Option<String> {
         let left = duration(self.time_left_s()?);

@@ -10,7 +10,7 @@ use tautline_link::Sample;
 use super::message::{DriverEvent, Live};
 use super::scope::Scope;
 
-/// Between two pictures of the window.
+/// Minimum interval between two frames of the window.
 pub(super) const PICTURE: Duration = Duration::from_millis(50);
 
 /// Publishes to the window, and wakes it no more often than it can draw.
@@ -24,7 +24,7 @@ pub(super) struct StatusPublisher {
 
 impl StatusPublisher {
     pub fn report(&mut self, event: DriverEvent) {
-        // Nobody listens any more when the program ends.
+        // The receiver is gone when the program ends.
         let _ = self.events.send(event);
         self.wake();
     }
@@ -39,7 +39,7 @@ impl StatusPublisher {
         }
     }
 
-    /// Puts what is going on where the window finds it.
+    /// Replaces the published state.
     pub fn put(&mut self, live: Live) {
         *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
         self.wake();
@@ -58,7 +58,7 @@ impl StatusPublisher {
         }
     }
 
-    /// Whether what the window finds is so.
+    /// Whether the published state satisfies a condition.
     pub fn shows(&self, is_so: impl FnOnce(&Live) -> bool) -> bool {
         is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
