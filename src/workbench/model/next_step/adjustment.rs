@@ -13,7 +13,7 @@ use tautline_workflow::controllers::Kind;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::wording::{count, sentence};
 
-/// What is wrong with the values, the controller, and what was written and measured.
+/// Problems of the identified values, the controller, and the last adjustment and verification.
 pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
     let session = open.session();
     let mut signs: Vec<Sign> = of_values(model, open).into_iter().collect();
@@ -59,7 +59,7 @@ pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
     signs
 }
 
-/// What is wrong in phase 4 with the values that would be written.
+/// Problem in phase 4 that affects the values to be written.
 #[must_use]
 pub fn of_values(model: &Model, open: &OpenSession) -> Option<Sign> {
     if !open.fit_is_current() {
@@ -71,7 +71,7 @@ pub fn of_values(model: &Model, open: &OpenSession) -> Option<Sign> {
     Some(Sign::new(sign.text, Some(go), then))
 }
 
-/// The poses are measured, or the pulleys identified, before anything is written.
+/// Step before anything can be written: measure the poses or identify the pulleys.
 fn unidentified(open: &OpenSession) -> (Action, &'static str) {
     let action = match open.session().measurements.is_empty() {
         true => Action::go(Phase::Measuring),
@@ -136,7 +136,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     NextStep::new(status, Some(action), then)
 }
 
-/// What differs is written; where nothing does, it is measured.
+/// Writes the values that differ; without differences, measures instead.
 fn write(session: &Session, differences: &[Difference]) -> (Action, &'static str) {
     let changes = differences.iter().filter(|one| one.is_writable_change());
     match changes.count() {
@@ -167,7 +167,7 @@ fn measure(session: &Session, stage: Stage) -> (Action, &'static str) {
     (Action::new(title, RobotCommand::Verify(stage)), then)
 }
 
-/// A simulated controller gets parameters for effects that it cannot correct yet.
+/// Adds the missing parameters for effects to a simulated controller.
 fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Action> {
     let kind = model
         .link

@@ -1,4 +1,4 @@
-//! The next step of phases 1 and 2: what was measured on the bench is applied, then poses are measured.
+//! Next step of phases 1 and 2: apply the bench measurements, then measure poses.
 
 use tautline_workflow::precalibration::Table;
 use tautline_workflow::wording::sentence;
@@ -9,7 +9,7 @@ use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Progress};
 use crate::model::{Model, OpenSession, phase_status};
 
-/// Measured values are applied, those of phase 1 all at once.
+/// Applies measured values, those of phase 1 all at once.
 pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usize) -> NextStep {
     let status = status(model, open, phase);
     let calibration = open.calibration();
@@ -35,7 +35,7 @@ pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usi
     NextStep::new(status, Some(action), then)
 }
 
-/// Tables from which no good values follow.
+/// Tables without usable values.
 pub(super) fn signs(open: &OpenSession, phase: Phase) -> Vec<Sign> {
     let of = open.calibration();
     let tables = match phase {

@@ -1,4 +1,4 @@
-//! The next step of phase 4: identify, diagnose, add what was found, until the model explains the readings.
+//! Next step of phase 4: identify, diagnose, add causes, until the model explains the readings.
 
 use tautline_core::diagnosis::{Finding, Verdict};
 use tautline_core::effect::EffectSetting;
@@ -16,7 +16,7 @@ use tautline_workflow::precalibration::Table;
 use tautline_workflow::readiness::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
 use tautline_workflow::wording::{count, sentence};
 
-/// Something to do, with what comes after it.
+/// Action with a sentence about the one after it.
 type Step = (Action, &'static str);
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
@@ -43,7 +43,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     NextStep::new(status, Some(Action::go(Phase::Adjustment)), then)
 }
 
-/// What is wrong with the readings and with the model, and what the diagnosis proposes that is not decided yet.
+/// Problems of the readings and the model, and undecided findings of the diagnosis.
 pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
     let mut signs = of_values(model, open);
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
@@ -58,7 +58,7 @@ pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
     signs
 }
 
-/// What is wrong with readings and fit, so that the values must not be used.
+/// Problems of readings and fit that rule out using the values.
 pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Sign> {
     if open.session().measurements.is_empty() {
         return Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Sign> {
     signs
 }
 
-/// The check of the readings; what is wrong with them, as long as no model explains them.
+/// Checks of the readings, each with its problem unless the model explains the readings.
 #[must_use]
 pub fn checked<'m>(model: &'m Model, open: &'m OpenSession) -> Vec<(&'m CheckItem, Option<Sign>)> {
     let whole = model.identification.readiness.as_ref();
@@ -100,7 +100,7 @@ pub fn checked<'m>(model: &'m Model, open: &'m OpenSession) -> Vec<(&'m CheckIte
     items.iter().map(|item| (item, sign(item))).collect()
 }
 
-/// A wrong sign, unit or channel is one of the recipe where there is one; else the doctor may name it.
+/// Remedy of a failed check: a wrong sign, unit or channel is corrected in the recipe, if any, otherwise by the doctor.
 fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
     match item.name.as_str() {
         COMPLETE | PLAUSIBLE if can_import_again(open.session()) => {
@@ -115,7 +115,7 @@ fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
     }
 }
 
-/// What is wrong with a fit; the doctor says what the model lacks.
+/// Problems of a fit.
 #[must_use]
 pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Sign> {
     let mut signs = Vec::new();
@@ -143,7 +143,7 @@ pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Si
     signs
 }
 
-/// What is to be done about a model that does not explain the readings.
+/// Remedy of a model that does not explain the readings.
 fn of_model(model: &Model, open: &OpenSession) -> Step {
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
     let Some(diagnosed) = diagnosed else {
@@ -161,8 +161,8 @@ fn of_model(model: &Model, open: &OpenSession) -> Step {
     })
 }
 
-/// What is to be done about findings: causes that last are part of the model, and a new series is measured without those
-/// that do not; then poses tell several causes apart, and patterns describe what has no cause.
+/// Next step for findings: permanent causes are added to the model, others are repaired and measured again; then poses
+/// separate several causes, and patterns describe errors without a cause.
 fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Step> {
     let open = model.open.as_ref()?;
     let has_name = |finding: &&Finding| finding.verdict() != Verdict::Unknown && !finding.is_list();
@@ -218,7 +218,7 @@ fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> 
     })
 }
 
-/// An error without a name: what it looks like, and the likeliest pattern for the model.
+/// Next step for an error without a known cause: look for patterns, then add the likeliest one to the model.
 fn pattern(model: &Model, open: &OpenSession) -> Step {
     let found = model.identification.patterns.as_ref();
     match found.filter(|(of, _)| *of == open.inputs()) {
@@ -248,7 +248,7 @@ fn diagnose() -> Step {
     (action, "Then: add the causes to the model.")
 }
 
-/// A new series of the same poses, without what was repaired.
+/// New series of the same poses, without the repaired effects.
 fn measure_again(repaired: Vec<EffectSetting>) -> Step {
     let title = match repaired.len() {
         0 => "Measure again",

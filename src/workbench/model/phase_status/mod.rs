@@ -1,4 +1,4 @@
-//! How far each phase is, in one line.
+//! State of each phase, in one line.
 
 mod adjustment;
 mod measuring;
