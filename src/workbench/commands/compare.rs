@@ -1,4 +1,4 @@
-//! Comparing two sessions.
+//! Comparison of two sessions, and of a simulator with the machine.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -74,7 +74,7 @@ fn choose(model: &mut Model, side: Side, source: Source) {
     start(model, Some(side));
 }
 
-/// How one side of a comparison is obtained.
+/// Source of one side of a comparison.
 enum Preparation {
     Ready(Arc<Run>),
     /// The open session, with the number of its inputs.
@@ -145,7 +145,7 @@ fn read(path: &Path) -> Result<Session, String> {
         .map_err(|error| format!("{error}."))
 }
 
-/// Compares as soon as both are chosen; `chosen` is read again even if it is known.
+/// Compares once both sides are chosen; `chosen` is read again even if it is known.
 fn start(model: &mut Model, chosen: Option<Side>) {
     model.tasks.cancel(COMPARING);
     model.messages.resolve(Cause::Comparison);
@@ -183,7 +183,7 @@ pub(super) fn receive(model: &mut Model, CompareOutcome { number, result }: Comp
     model.comparison.take(result.map(Arc::from));
 }
 
-/// Compares the readings of a simulator with those of the open session, by its identified model.
+/// Compares the readings of a simulator with those of the open session, using its identified model.
 fn replay(model: &mut Model, path: &Path) {
     let Some((open, fit)) = model
         .open

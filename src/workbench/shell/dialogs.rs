@@ -1,4 +1,4 @@
-//! Modal dialogs: unsaved changes, writing, report.
+//! Modal dialogs: unsaved changes, writing of values, internal errors.
 
 use egui::{RichText, TextEdit, Ui};
 
@@ -10,9 +10,9 @@ use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, entered, heading, modal, muted, primary, verdict};
 use tautline_workflow::wording::count;
 
-/// Draws the question that is open, if one is.
+/// Draws the open dialog, if any.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    // Where to save is asked above it.
+    // The save dialog is drawn above this one.
     if state.model.dialogs.save.is_none() {
         leaving(ui, state);
         unsaved_hypothesis(ui, state);
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Save the changes first, and may an armed robot be disconnected?
+/// Question about unsaved changes and about disconnecting an armed robot.
 fn leaving(ui: &mut Ui, state: &mut State) {
     let State { model, outbox, .. } = state;
     let Some(draft) = &model.dialogs.leaving else {
@@ -86,7 +86,7 @@ fn leaving(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Answers side by side, of which the first is the primary one.
+/// Row of answers, the first being the primary one.
 fn choice_of<A: Copy>(ui: &mut Ui, answers: &[(&str, A)]) -> Option<A> {
     let row = ui.horizontal(|ui| {
         let mut given = None;
@@ -102,7 +102,7 @@ fn choice_of<A: Copy>(ui: &mut Ui, answers: &[(&str, A)]) -> Option<A> {
     row.inner
 }
 
-/// Is a session taken over from another window?
+/// Question about a session that is open in another window.
 fn elsewhere(ui: &mut Ui, state: &mut State) {
     let Some((opening, since)) = &state.model.dialogs.elsewhere else {
         return;
@@ -126,7 +126,7 @@ fn elsewhere(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What becomes of the text of a hypothesis that is in no file?
+/// Question about the unsaved text of a hypothesis.
 fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
     let State { model, outbox, .. } = state;
     let Some(draft) = model
@@ -164,7 +164,7 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Write these values, and in whose name?
+/// Question before values are written, with the name of the operator.
 fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
     let review = &draft.review;
     let open = state.model.open.as_ref();
@@ -230,7 +230,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
     state.model.dialogs.writing = Some(draft);
 }
 
-/// Draws what is left of the window after an internal error.
+/// Draws the window after an internal error.
 pub fn internal_error(ui: &mut Ui, model: &mut Model) {
     let Some(caught_panic) = model.caught_panic.clone() else {
         return;

@@ -1,4 +1,4 @@
-//! The frame of the window: menus, phase rail, status, and the screen between them.
+//! Layout of the window: menus, phase rail, status bar, and the screen between them.
 
 use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Stroke, StrokeKind, Ui};
 use egui_material_icons::icons;
@@ -15,12 +15,12 @@ use crate::theme::{self, GRID};
 use crate::views;
 use crate::widgets::icon_button;
 
-/// Width of the window (points) below which the rail shows icons alone.
+/// Width of the window (points) below which the rail shows only icons.
 const NARROW: f32 = 1120.0;
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
 
-/// Width of the panel of a phase, if nobody chose another: a share of the window within limits (points).
+/// Default width of a phase's panel: share of the window, within limits (points).
 const PANEL: f32 = 0.335;
 const PANEL_RANGE: Rangef = Rangef {
     min: 440.0,
@@ -28,7 +28,7 @@ const PANEL_RANGE: Rangef = Rangef {
 };
 
 pub fn show(ui: &mut Ui, state: &mut State) {
-    // Of keys nothing but Stop, which has been handled, acts behind a dialog.
+    // Behind a dialog no key works except Stop, which has been handled.
     let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
     let of_dialog = ui.input_mut(|input| is_behind.then(|| std::mem::take(&mut input.events)));
     escape::show(ui, state);
@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     focus_ring(ui);
 }
 
-/// A ring around what has the focus of the keyboard, whatever its own colour.
+/// Draws a ring around the focused widget, whatever its own colour.
 fn focus_ring(ui: &Ui) {
     let focused = ui.memory(|memory| memory.focused());
     let Some(response) = focused.and_then(|id| ui.ctx().read_response(id)) else {
@@ -86,7 +86,7 @@ fn focus_ring(ui: &Ui) {
     }
 }
 
-/// A screen that has no parts.
+/// Screen without parts.
 fn whole(ui: &mut Ui, state: &mut State) {
     let State {
         model,
@@ -131,7 +131,7 @@ fn modals(ui: &mut Ui, state: &mut State) {
     save::show(ui, state);
 }
 
-/// Rail, 3D view, plots and the panel of the phase beside each other.
+/// Rail, 3D view, plots and phase panel side by side.
 fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
@@ -159,7 +159,7 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
         false if rows > 1.0 => (0.64, rows),
         false => (0.38, 1.0),
     };
-    // A low window still has room for a plot below its lines of choices.
+    // A low window still has room for a plot below its controls.
     let usual = (share * height).min(300.0 * rows);
     let usual = usual.max((0.5 * height).min(240.0));
     let size = Size {
@@ -182,7 +182,7 @@ fn rail_of(ui: &mut Ui, state: &mut State, is_narrow: bool) {
         .show(ui, |ui| rail::show(ui, state, is_narrow));
 }
 
-/// One part at a time: where the window has no room for all of them, or while one is maximised.
+/// Draws one part only: in a small window, or if the part is maximised.
 fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
     let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
@@ -218,7 +218,7 @@ fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
         });
 }
 
-/// A panel's margins; its ground is what the window is cleared with.
+/// Margins of a panel without fill; the clear colour of the window is its background.
 fn side() -> Frame {
     Frame::new().inner_margin(Margin::same(3 * GRID as i8))
 }

@@ -1,4 +1,4 @@
-//! The dialog of a report: place, heading, certificate, sections.
+//! Report dialog: path, heading, certificate, sections.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ use crate::widgets::{
 };
 use tautline_workflow::report::{Part, ReportChoice};
 
-/// Where is the report to be saved?
+/// Draws the report dialog.
 pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     let format = draft.format;
     let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     state.model.dialogs.report = Some(draft);
 }
 
-/// What is out of date, with buttons that compute it again.
+/// Results that are out of date, with buttons that update them.
 fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let mut computing = [IDENTIFYING, DIAGNOSING].into_iter();
     if let Some(title) = computing.find(|title| model.tasks.runs(title)) {
@@ -109,7 +109,7 @@ fn head(ui: &mut Ui, choice: &mut ReportChoice) {
         });
 }
 
-/// By what a report judges, and which sections it has.
+/// Tolerance and sections of a report.
 fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
     ui.horizontal(|ui| {
         ui.label("Tolerance of the pulleys");

@@ -1,4 +1,4 @@
-//! What commands want of panels and views.
+//! Requests of commands to panels and views.
 
 use super::State;
 use crate::model::UiRequest;
@@ -8,7 +8,7 @@ use crate::screens::{connect, precalibration};
 use crate::views::robot_3d::drawing::CableColour;
 use tautline_workflow::precalibration::Table;
 
-/// Carries out what commands have asked for since the last call.
+/// Carries out the requests since the last call.
 pub fn apply(state: &mut State) {
     for request in state.model.take_requests() {
         let (panels, plots) = (&mut state.panels, &mut state.views.plots);

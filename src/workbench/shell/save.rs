@@ -1,4 +1,4 @@
-//! Where to save a file: a path that is typed or picked. The dialog stays open until the file is written.
+//! Save dialog with a path to type or choose. It stays open until the file is written.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::model::save_form::SaveForm;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, entered, heading, icon_button, modal, muted, primary, verdict};
 
-/// Draws the dialog while it is open.
+/// Draws the save dialog while it is open.
 pub fn show(ui: &mut Ui, state: &mut State) {
     let Some(mut draft) = state.model.dialogs.save.take() else {
         return;
@@ -50,15 +50,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What the operator asks for in a form, and what the present path means.
+/// Input of the operator in a save form.
 pub(super) struct Asked {
     pub entered: bool,
     pub browse: bool,
-    /// Whether another file than `own` is there already.
+    /// Whether a file other than `own` exists at the path.
     pub replaces: bool,
 }
 
-/// The path of a file, and the error if writing failed; `own` is written over without a question.
+/// Form with a path, and the error if writing failed; the file `own` is overwritten without a question.
 pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Asked {
     let row = ui.horizontal(|ui| {
         let width = ui.available_width() - 120.0;

@@ -1,4 +1,4 @@
-//! The bar at the bottom: running work and the last message.
+//! Status bar: running tasks and the last message.
 
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons;
@@ -27,7 +27,7 @@ fn last_message(ui: &mut Ui, state: &mut State) {
         state.outbox.send(ViewCommand::Log(true));
     }
     let palette = theme::of(ui);
-    // An error is shown above the window, or in the dialog that it concerns.
+    // Errors are shown in the alert or in the dialog they concern.
     let last = state.model.messages.last_here();
     let Some(message) = last.filter(|last| last.severity != Severity::Error) else {
         muted(ui, "Ready");
@@ -46,7 +46,7 @@ fn last_message(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// The controller in words.
+/// State of the controller in words.
 fn controller(ui: &mut Ui, state: &mut State) {
     let live = state.model.link.live();
     let palette = theme::of(ui);
@@ -71,7 +71,7 @@ fn controller(ui: &mut Ui, state: &mut State) {
         (_, false) => ("not armed", palette.muted),
     };
     let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
-    // A recording must never look like a robot.
+    // A recording must never be mistaken for a robot.
     let words = match (kind, words) {
         (Some(Kind::Recording), _) => "recording, no robot".to_owned(),
         (Some(Kind::OfDescription), words) => format!("simulated, {words}"),
@@ -80,7 +80,7 @@ fn controller(ui: &mut Ui, state: &mut State) {
     chip(ui, state, (&words, colour));
 }
 
-/// What the controller is and does; a click opens the connection dialog.
+/// Status of the controller. Without a connection it is a button that opens the connection dialog.
 fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
     if state.model.link.connected.is_some() {
@@ -101,7 +101,7 @@ fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) 
     }
 }
 
-/// Whether others on the network can read and change the messages of the connection.
+/// Icon for the protection of the connection's messages.
 fn protection(ui: &mut Ui, state: &State) {
     let palette = theme::of(ui);
     let lock = |ui: &mut Ui, icon: egui_material_icons::MaterialIcon, colour, text: &str| {

@@ -1,4 +1,4 @@
-//! The bar at the top: menus, name of the session, undo and redo.
+//! Top bar: menus, name of the session, undo and redo.
 
 use egui::{Align, Button, Label, Layout, MenuBar, RichText, Ui};
 use egui_material_icons::icons;
@@ -10,23 +10,23 @@ use crate::model::command::{Command, ViewCommand};
 use crate::theme;
 use crate::widgets::{icon_only, muted};
 
-/// Least width for the name of the session (points).
+/// Smallest width of the session's name (points).
 const LEAST_NAME: f32 = 40.0;
-/// Width of what follows the name of a session that is not saved (points).
+/// Width of the mark of an unsaved session (points).
 const UNSAVED: f32 = 72.0;
-/// Height of a line of a menu with the space below it (points).
+/// Height of a menu item with the space below it (points).
 const LINE: f32 = 32.0;
 
-/// Gives the commands whose keys were pressed.
+/// Sends the commands whose shortcuts were pressed.
 pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
     let mut items: Vec<&Item> = items.iter().collect();
-    // Keys without Shift also match with it: those that need it come first.
+    // A shortcut without Shift also matches with Shift, so those with Shift come first.
     items.sort_by_key(|item| item.shortcut.is_none_or(|keys| !keys.modifiers.shift));
     for item in items {
         let Some(shortcut) = item.shortcut else {
             continue;
         };
-        // What cannot be done now is left to the field that is typed in, but never to the same keys without Shift.
+        // The shortcut of an unavailable item is left to the focused field, but never to the same key without Shift.
         if !item.enabled && !shortcut.modifiers.shift {
             continue;
         }
@@ -37,7 +37,7 @@ pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
     }
 }
 
-/// Gives commands one after the other.
+/// Sends commands in order.
 pub fn send(state: &mut State, commands: &[Command]) {
     for command in commands {
         state.outbox.send(command.clone());
@@ -56,13 +56,13 @@ pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(ui, state);
-            // What is left; a long name is cut, and a narrow window has no room for it.
+            // The remaining width; a long name is truncated or omitted.
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, state));
         });
     });
 }
 
-/// The lines of a menu; those of a long one are scrolled in a low window.
+/// Items of a menu; a long menu scrolls in a low window.
 fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
     let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;

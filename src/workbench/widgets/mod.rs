@@ -1,4 +1,4 @@
-//! Widgets that panels are made of.
+//! Widgets of the panels.
 
 mod button;
 mod fault_matrix;

@@ -1,4 +1,4 @@
-//! The frame of a panel beside others, and panels one at a time where there is no room for all.
+//! Frames of panels, and tabs for one panel at a time.
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
@@ -12,7 +12,7 @@ pub fn panel_frame(ui: &Ui) -> Frame {
         .inner_margin(Margin::same(3 * GRID as i8))
 }
 
-/// One part at a time: tabs with the titles of the parts, and below them the chosen part, drawn by `draw`.
+/// Tabs with the titles of the parts, and below them the chosen part, drawn by `draw`.
 pub fn one_part(
     ui: &mut Ui,
     chosen: &mut Part,

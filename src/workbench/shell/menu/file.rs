@@ -1,4 +1,4 @@
-//! Lines about files and the program.
+//! Menu items for files and the program.
 
 use egui::Key;
 
@@ -12,11 +12,11 @@ use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::recent_facts;
 
-/// Most sessions that the menu offers to open again.
+/// Largest number of recent sessions in the menu.
 const RECENT: usize = 5;
 const GROUP: &str = "Open recent";
 
-/// Sessions that are offered to be opened again.
+/// Menu items of recent sessions.
 fn recent(state: &State) -> Vec<Item> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
     let recent = recent.map(|session| {
@@ -26,7 +26,7 @@ fn recent(state: &State) -> Vec<Item> {
     });
     let mut items: Vec<Item> = recent.collect();
     if items.is_empty() {
-        // The lines below it stay where they are.
+        // Keeps the position of the items below.
         let none = Menu::File.line("No session yet", false, FileCommand::AskOpen);
         items.push(none.within(GROUP));
     }

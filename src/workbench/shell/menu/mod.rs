@@ -1,4 +1,4 @@
-//! The table of commands that menus, shortcuts and the command palette share.
+//! Table of menu items, shared by menus, shortcuts and the command palette.
 
 mod file;
 mod view;
@@ -22,7 +22,7 @@ pub enum Menu {
     /// Undo and redo.
     Edit,
     View,
-    /// What computes.
+    /// Computations.
     Model,
     /// The robot and its controller.
     Robot,
@@ -56,19 +56,19 @@ impl Menu {
 #[derive(Debug, Clone)]
 pub struct Item {
     pub menu: Menu,
-    /// The menu below this one in which it is, if any.
+    /// Submenu, if any.
     pub(crate) group: Option<&'static str>,
     pub title: String,
     pub shortcut: Option<KeyboardShortcut>,
-    /// Whether it can be used now.
+    /// Whether the item is available.
     pub enabled: bool,
-    /// Whether a line separates it from those above it.
+    /// Whether a separator precedes the item.
     pub(crate) begins: bool,
     pub commands: Vec<Command>,
 }
 
 impl Item {
-    /// What it does, for those who do not see its menu.
+    /// Name that is clear without the menu, for the command palette.
     pub(crate) fn name(&self) -> String {
         match self.group {
             Some(group) => format!("{group}: {}", self.title),
@@ -76,7 +76,7 @@ impl Item {
         }
     }
 
-    /// The same with keys.
+    /// Adds a keyboard shortcut.
     fn keys(self, modifiers: Modifiers, key: Key) -> Self {
         Self {
             shortcut: Some(KeyboardShortcut::new(modifiers, key)),
@@ -84,7 +84,7 @@ impl Item {
         }
     }
 
-    /// The first line of its kind.
+    /// Marks the item as the first of a section.
     fn first(self) -> Self {
         Self {
             begins: true,
@@ -106,7 +106,7 @@ const CONTROL_SHIFT: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 
-/// All lines of all menus, in the state of the program.
+/// All menu items in the present state of the program.
 #[must_use]
 pub fn items(state: &State) -> Vec<Item> {
     let mut items = file::lines(state);
@@ -119,7 +119,7 @@ pub fn items(state: &State) -> Vec<Item> {
 }
 
 impl Menu {
-    /// A line of it.
+    /// Item of this menu.
     fn line(self, title: impl Into<String>, enabled: bool, command: impl Into<Command>) -> Item {
         Item {
             menu: self,
@@ -198,7 +198,7 @@ fn model(state: &State) -> Vec<Item> {
     ]
 }
 
-/// The one thing to do next, as the foot of the phase has it.
+/// Next step of the phase, as in its footer.
 fn next(state: &State) -> Item {
     let step = match state.model.screen {
         Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses()),

@@ -1,4 +1,4 @@
-//! Lines about what is shown.
+//! Menu items for the view.
 
 use egui::{Key, Modifiers, ThemePreference};
 
