@@ -1,4 +1,4 @@
-//! The screens: a panel for each phase, the start screen, the comparison.
+//! Screens: a panel for each phase, the start screen, the comparison and others.
 
 pub mod adjustment;
 mod bench_panel;
@@ -28,7 +28,7 @@ use crate::theme::GRID;
 /// State of all panels between frames.
 #[derive(Debug, Default)]
 pub struct PanelStates {
-    /// Part that a small window shows.
+    /// Part shown in a small window.
     pub part: Part,
     pub start: start::PanelState,
     pub measuring: measuring::PanelState,
@@ -45,7 +45,7 @@ pub struct PanelStates {
     pub which_sensor: which_sensor::PanelState,
     pub simulator: simulator::PanelState,
     pub gallery: gallery::PanelState,
-    /// What is shown, and how often that was something else.
+    /// Screen shown last; `visits` counts its changes.
     shown: Option<Shown>,
     visits: u64,
 }
@@ -54,7 +54,7 @@ pub struct PanelStates {
 type Shown = (Option<u64>, Screen, identification::Half);
 
 impl PanelStates {
-    /// A number that whatever scrolls has in its identity, so that each screen begins at its top.
+    /// Number of screen changes, which is part of the ids of scroll areas, so that each screen begins at its top.
     pub fn visit(&mut self, model: &Model) -> u64 {
         let session = model.open.as_ref().map(OpenSession::id);
         let shown = Some((session, model.screen, self.identification.half));
@@ -64,7 +64,7 @@ impl PanelStates {
     }
 }
 
-/// Draws the panel of a phase, with its foot, which stays where it is while the panel scrolls.
+/// Draws the panel of a phase, with its footer, which does not scroll.
 pub fn phase(
     ui: &mut Ui,
     model: &Model,

@@ -1,4 +1,4 @@
-//! The user's simulator beside the machine: how far its readings are from the measured ones, and what explains it.
+//! Comparison of the user's simulator with the machine: differences of the readings and their explanation.
 
 use egui::Ui;
 use tautline_core::diagnosis::Quantity;
@@ -14,11 +14,11 @@ use crate::widgets::{Cell, Column, Verdict, choice, empty, heading, muted, page,
 
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// Kind of reading that the plot shows; the one in which the simulator errs most until another is chosen.
+    /// Plotted kind of reading; by default the one with the largest error.
     shown: Option<Quantity>,
 }
 
-/// Greatest width of the page, height of its plot (points).
+/// Greatest width of the page, and height of its plot (points).
 const WIDTH: f32 = 860.0;
 const PLOT: f32 = 280.0;
 

@@ -1,4 +1,4 @@
-//! The identified values in the user's file for a firmware or a simulator: what changes, and what the file cannot express.
+//! Correction of the user's firmware or simulator file: changed values, and effects that the file cannot express.
 
 use egui::Ui;
 use egui_material_icons::icons;

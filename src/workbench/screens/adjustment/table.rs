@@ -13,7 +13,7 @@ use crate::widgets::{Cell, Column, Touched, checkbox, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
-/// Columns; the unit has its own, because that of an effect can be any.
+/// Columns. The unit has its own column, because effects have various units.
 const COLUMNS: [Column<'static>; 6] = [
     Column::words("Parameter"),
     Column::number("Controller", ""),
@@ -23,7 +23,7 @@ const COLUMNS: [Column<'static>; 6] = [
     Column::words("Unit"),
 ];
 
-/// Draws the table; parameters that stay as they are only where they are asked for.
+/// Draws the table; unchanged parameters only on request.
 pub(super) fn show(
     ui: &mut Ui,
     model: &Model,
@@ -55,7 +55,7 @@ pub(super) fn show(
     }
 }
 
-/// Draws a line for each parameter.
+/// Draws a row for each parameter.
 pub(crate) fn lines<'a>(
     ui: &mut Ui,
     lines: impl Iterator<Item = &'a Difference>,
@@ -113,7 +113,7 @@ fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
     ]
 }
 
-/// Decimals such that the standard deviation has two digits.
+/// Number of decimals at which the standard deviation has two digits.
 fn decimals(sd: Option<f64>, unit: Option<&str>) -> usize {
     let usual = match unit {
         None => 0,

@@ -106,7 +106,7 @@ pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outb
     }
 }
 
-/// Asks to which run an imported table belongs.
+/// Asks which run an imported table belongs to.
 fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;
@@ -133,7 +133,7 @@ fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// Draws what the adjustment has changed; a robot that is worse is an error if the controller holds the values.
+/// Draws the effect of the adjustment on the accuracy; a loss is an error if the controller holds the new values.
 pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is_held: bool) {
     let Ok((figures, predicted_m, plot)) = figures(open, panel) else {
         return;

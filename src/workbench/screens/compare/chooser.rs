@@ -1,4 +1,4 @@
-//! The two sessions at the top: chosen by path, dialog, or from those that are known.
+//! Choice of the two sessions: by path, file dialog, or from a list.
 
 use std::path::PathBuf;
 
@@ -82,7 +82,7 @@ fn chosen(
     outbox: &mut Outbox,
 ) {
     if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {
-        // The path stays to be changed.
+        // The path remains, for editing.
         if let Source::File(chosen) = source {
             *path = chosen.display().to_string();
         }
@@ -145,7 +145,7 @@ fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox
     named(menu.response, &format!("Known sessions for {name}"));
 }
 
-/// The open session, recent ones and samples.
+/// Menu of the open session, recent ones and samples.
 fn known(
     ui: &mut Ui,
     model: &Model,

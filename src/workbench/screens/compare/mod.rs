@@ -1,4 +1,4 @@
-//! Two sessions side by side: have pulleys moved, or is it noise?
+//! Comparison of two sessions: have pulleys moved, or is the difference noise?
 
 mod chooser;
 mod others;
@@ -25,21 +25,21 @@ use tautline_workflow::samples::Sample;
 #[derive(Debug, Default)]
 pub struct PanelState {
     paths: [String; 2],
-    /// Sample sessions that are there; looked up once.
+    /// Available sample sessions, looked up once.
     samples: Option<Vec<Sample>>,
-    /// What a small window shows.
+    /// Part shown in a small window.
     part: Part,
-    /// What was drawn last.
+    /// Comparison drawn last.
     drawn: Option<Drawn>,
 }
 
-/// A comparison as it is drawn.
+/// Comparison prepared for drawing.
 #[derive(Debug)]
 struct Drawn {
     compared: Arc<Compared>,
     /// Both geometries.
     scene: Arc<Scene>,
-    /// Residuals of the lengths of both.
+    /// Residuals of the cable lengths of both.
     residuals: Figure,
 }
 
@@ -103,7 +103,7 @@ pub fn show(
     }
 }
 
-/// Everything beside each other.
+/// All parts side by side.
 fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
     let side = panel_frame(ui);
     Panel::right("differences")
@@ -119,7 +119,7 @@ fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbo
     CentralPanel::no_frame().show(ui, |ui| robots(ui, model, drawn, views, outbox));
 }
 
-/// One part at a time, where the window has no room for all of them.
+/// One part at a time, in a small window.
 fn compact(
     ui: &mut Ui,
     model: &Model,
@@ -144,7 +144,7 @@ fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, out
     show_beside(ui, &drawn.scene, model.selection, view, outbox);
 }
 
-/// The panel at the right: the verdict, then everything that differs.
+/// Panel on the right: the verdict, then all differences.
 fn differences(
     ui: &mut Ui,
     model: &Model,

@@ -1,4 +1,4 @@
-//! What is compared besides the pulleys: the motion that all have in common, target plane, home pose, effects, fits.
+//! Differences besides the pulleys: common rigid motion, target plane, home pose, effects, fits.
 
 use egui::Ui;
 use egui_material_icons::icons;
@@ -46,7 +46,7 @@ const SIDE_BY_SIDE: [Column<'_>; 5] = [
     Column::words("Verdict"),
 ];
 
-/// A quantity in both sessions.
+/// Quantity in both sessions.
 fn side_by_side(
     ui: &Ui,
     compared: &Comparison,

@@ -1,4 +1,4 @@
-//! What is typed into the connection dialog, and the settings that it makes.
+//! Input of the connection dialog, and the settings made from it.
 
 use std::path::Path;
 
@@ -16,15 +16,15 @@ use super::problems::{Field, Part, Problems};
 use crate::model::command::{Setup, UserFile};
 use crate::widgets::parse_number;
 
-/// What the session has at present.
+/// Present settings of the session.
 #[derive(Debug, Clone)]
 pub struct Present {
     pub robot: Robot,
-    /// How its controller is reached.
+    /// Connection to its controller.
     pub connection: Connection,
-    /// Where the laser distance comes from.
+    /// Source of the laser distance.
     pub laser: LaserSettings,
-    /// Whether its simulated robot is that of a demonstration.
+    /// Whether its simulated robot belongs to a demonstration.
     pub is_demo: bool,
 }
 
@@ -40,7 +40,7 @@ impl Present {
     }
 }
 
-/// How a user signs in at a server.
+/// Authentication at a server.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SignIn {
     #[default]
@@ -61,7 +61,7 @@ impl SignIn {
 
 #[derive(Debug)]
 pub struct Draft {
-    /// Id of the session that it belongs to.
+    /// Id of its session.
     pub session_id: u64,
     pub part: Part,
     pub kind: ControllerKind,
@@ -80,9 +80,9 @@ pub struct Draft {
     pub policy: Option<OpcUaPolicy>,
     pub sign_in: SignIn,
     pub user: String,
-    /// Password of the user, which no settings have.
+    /// Password of the user, which is not part of the settings.
     pub password: Password,
-    /// Whether the password is kept on this computer.
+    /// Whether the password is stored on this computer.
     pub keeps_password: bool,
     /// Paths of the certificate of the user and of its private key.
     pub certificate: String,
@@ -91,16 +91,16 @@ pub struct Draft {
     ads: Names,
     nodes: Names,
     pub laser: LaserDraft,
-    /// The server that is not trusted, and whether it is connected once it is.
+    /// Untrusted server, and whether to connect once it is trusted.
     pub untrusted: Option<(Box<UntrustedServer>, bool)>,
-    /// Why connecting failed last.
+    /// Error of the last attempt to connect.
     pub refused: Option<String>,
-    /// Whether the window closes once there is a connection.
+    /// Whether the dialog closes once connected.
     pub connects: bool,
 }
 
 impl Draft {
-    /// The settings of a session, completed by those used last.
+    /// Settings of a session, completed by those used last.
     #[must_use]
     pub fn of(session: &Session, session_id: u64, reached: &LastConnection) -> Self {
         let connection = &session.connection;
@@ -157,10 +157,10 @@ impl Draft {
         }
     }
 
-    /// The settings that it makes, those of other kinds of controller as in the session.
+    /// Settings made from the input; those of other kinds of controller as in the session.
     ///
     /// # Errors
-    /// What is wrong with which field.
+    /// Errors of the fields.
     pub fn settings(&self, present: &Present) -> Result<(Connection, LaserSettings), Problems> {
         let mut problems = Problems::default();
         let mut connection = present.connection.clone();
@@ -186,12 +186,12 @@ impl Draft {
         }
     }
 
-    /// Takes custom names.
+    /// Sets custom names of symbols.
     pub fn use_symbols(&mut self, mapping: &SymbolMapping, robot: &Robot) {
         *self.names_mut() = Names::of(Some(mapping), mapping, robot);
     }
 
-    /// Names of the symbols of the chosen kind of controller.
+    /// Names of the symbols for the chosen kind of controller.
     pub fn names(&self) -> &Names {
         match self.kind {
             ControllerKind::OpcUa => &self.nodes,
@@ -218,7 +218,7 @@ impl Draft {
         Some(place)
     }
 
-    /// Where the controller is found.
+    /// Network location of an ADS controller.
     fn place(&self, problems: &mut Problems) -> Option<AdsPlace> {
         let host = self.host.trim().to_owned();
         if host.is_empty() {
@@ -243,14 +243,14 @@ impl Draft {
         Some(place)
     }
 
-    /// The password, if one was typed for the user.
+    /// Typed password, if the user signs in with one.
     #[must_use]
     pub fn password(&self) -> Option<Password> {
         let has_one = self.sign_in == SignIn::Name && !self.password.is_empty();
         has_one.then(|| self.password.clone())
     }
 
-    /// The command that takes the password; it is kept only if it was typed.
+    /// Command that sets the password; it is stored only if it was typed.
     #[must_use]
     pub fn use_password(&self) -> Setup {
         let password = self.password();
@@ -260,14 +260,14 @@ impl Draft {
         }
     }
 
-    /// The user whose password may be stored, as far as the fields say.
+    /// User whose password may be stored, as far as known.
     #[must_use]
     pub fn account(&self) -> Option<Account> {
         let place = self.opcua(&mut Problems::default())?;
         OpcUaAddress::from(&place).account()
     }
 
-    /// Fills in the path of a file of the user.
+    /// Sets the path of a user's file.
     pub fn set_user_file(&mut self, which: UserFile, path: &Path) {
         let field = match which {
             UserFile::Certificate => &mut self.certificate,
@@ -281,7 +281,7 @@ impl Draft {
         let address = problems.take(Field::Url, address.map_err(|error| error.to_string()));
         let timeout_s = problems.take(Field::UrlTimeout, parse_number(&self.url_timeout));
         let place = address?.place(timeout_s?);
-        // The user of an address is the only one.
+        // A user in the address takes precedence.
         let sign_in = match SignIn::of(&place) {
             SignIn::Anonymous => self.sign_in,
             _ => SignIn::Anonymous,
@@ -292,7 +292,7 @@ impl Draft {
             key: self.key.trim().to_owned(),
         };
         let user_certificate = (sign_in == SignIn::Certificate).then(|| files().absolute());
-        // What an address says comes before the other fields, so that one that was copied from elsewhere holds.
+        // The address takes precedence over the other fields, so that a copied address is complete.
         let place = OpcUaPlace {
             security: place.security.or(self.security),
             policy: place.policy.or(self.policy),
@@ -313,7 +313,7 @@ impl Draft {
     }
 }
 
-/// The address alone; the rest has fields of its own.
+/// Address only; the rest has separate fields.
 fn url_of(place: &OpcUaPlace) -> String {
     OpcUaAddress::from(place).url()
 }
@@ -333,7 +333,7 @@ fn checked(
     None
 }
 
-/// A port.
+/// Parses a port number.
 ///
 /// # Errors
 /// What was found and what was expected.
@@ -342,7 +342,7 @@ pub fn port(text: &str) -> Result<u16, String> {
     number.ok_or_else(|| format!("found \"{text}\", expected a number from 1 to 65535"))
 }
 
-/// Six numbers with points between them.
+/// Six numbers separated by points.
 fn net_id(text: &str) -> Result<[u8; 6], String> {
     let numbers: Option<Vec<u8>> = text
         .trim()

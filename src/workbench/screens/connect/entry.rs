@@ -1,10 +1,10 @@
-//! What symbols are for, and where that is in a mapping.
+//! Purposes of symbols, and their places in a mapping.
 
 use tautline_session::{
     SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolPose, SymbolValue,
 };
 
-/// What a symbol is for.
+/// Purpose of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Need {
     Revolutions,
@@ -25,12 +25,12 @@ pub enum Need {
     Acknowledged,
     Release,
     Watchdog,
-    /// A parameter by its place in the mapping.
+    /// Parameter, by its index in the mapping.
     Parameter(usize),
 }
 
 impl Need {
-    /// All but parameters, with what the operator reads and the unit that a scale of 1 stands for.
+    /// All purposes except parameters, with their title and the unit for a scale of 1.
     pub const FIXED: [(Self, &'static str, &'static str); 18] = [
         (Self::Revolutions, "Motor revolutions", "revolutions"),
         (Self::Force, "Force readings", "N"),
@@ -80,7 +80,7 @@ impl Need {
     }
 }
 
-/// A command whose symbols are not known yet.
+/// Command without symbols.
 pub fn no_command() -> SymbolCommand {
     SymbolCommand {
         target: SymbolPose {
@@ -109,7 +109,7 @@ fn names_of(text: &str) -> SymbolNames {
     }
 }
 
-/// Name and scale of a need; nothing where the mapping does not have it.
+/// Name and scale of a purpose; empty if the mapping does not have it.
 pub fn read(mapping: &SymbolMapping, need: Need) -> (String, Option<f64>) {
     let readings = &mapping.readings;
     let list = |s: &SymbolList| (text_of(&s.symbol), Some(s.scale));
@@ -151,7 +151,7 @@ pub fn read(mapping: &SymbolMapping, need: Need) -> (String, Option<f64>) {
     }
 }
 
-/// Writes name and scale of a need into a mapping; the error names what is missing.
+/// Writes name and scale of a purpose into a mapping; the error names a missing part.
 pub fn write(
     mapping: &mut SymbolMapping,
     need: Need,
@@ -225,7 +225,7 @@ pub fn write(
     Ok(())
 }
 
-/// "{cable}.entry_point.x_m" as "Entry point x of every cable".
+/// Title of a parameter: "{cable}.entry_point.x_m" is "Entry point x of every cable".
 pub fn title_of(name: &str) -> String {
     let (whose, rest) = match name.strip_prefix("{cable}.") {
         Some(rest) => (" of every cable", rest),
@@ -238,7 +238,7 @@ pub fn title_of(name: &str) -> String {
     tautline_workflow::wording::sentence(&format!("{words}{whose}"))
 }
 
-/// The unit at the end of a parameter's name.
+/// Unit at the end of a parameter's name.
 pub fn unit_of(name: &str) -> &'static str {
     match name.rsplit('_').next() {
         Some("m") => "m",

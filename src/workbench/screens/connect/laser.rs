@@ -1,4 +1,4 @@
-//! The laser: from where its distance comes, and what arrives at this moment.
+//! Laser: source of its distance, and live test.
 
 use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 use tautline_link::laser::serial_ports;
@@ -15,13 +15,13 @@ use crate::widgets::{Verdict, choice, muted, section, verdict};
 pub enum LaserFrom {
     Controller,
     Manual,
-    /// A device in the network.
+    /// Device in the network.
     Network,
-    /// A device at a serial port.
+    /// Device at a serial port.
     Serial,
 }
 
-/// What is typed about the laser.
+/// Input for the laser.
 #[derive(Debug)]
 pub struct LaserDraft {
     pub from: LaserFrom,
@@ -32,15 +32,15 @@ pub struct LaserDraft {
     pattern: String,
     no_return: String,
     command: String,
-    /// Everything of a device that sends lines, also what the window does not show.
+    /// All settings of a line-based device, including those not shown.
     base: LineLaserSettings,
-    /// Serial ports of this computer, once they were looked for.
+    /// Serial ports of this computer, once looked up.
     ports: Option<Vec<String>>,
     test: Option<TestLine>,
 }
 
 impl LaserDraft {
-    /// The settings of a session; of a device that it does not have those that were used last.
+    /// Settings of a session; for a device that it lacks, those used last.
     #[must_use]
     pub fn of(settings: &LaserSettings, last: &LaserSettings) -> Self {
         let usual = LineLaserSettings::new(LaserPort::serial(String::new()));
@@ -89,12 +89,12 @@ impl LaserDraft {
         }
     }
 
-    /// Ends trying the laser, which is free for a connection after this.
+    /// Ends the test, so that the laser is free for a connection.
     pub fn release(&mut self) {
         self.test = None;
     }
 
-    /// The settings that it makes.
+    /// Settings made from the input.
     pub fn settings(&self, problems: &mut Problems) -> Option<LaserSettings> {
         let port = match self.from {
             LaserFrom::Controller => return Some(LaserSettings::Controller),
@@ -162,7 +162,7 @@ impl LaserDraft {
         Some(port)
     }
 
-    /// Draws the choice and what belongs to it; `busy`: a connection uses the laser at this moment.
+    /// Draws the choice and its fields; `busy` tells that a connection is using the laser.
     pub fn show(&mut self, ui: &mut Ui, problems: &Problems, busy: bool) {
         for (from, text) in [
             (
@@ -200,7 +200,7 @@ impl LaserDraft {
         self.test(ui, busy);
     }
 
-    /// The serial ports of this computer.
+    /// Field for the serial port.
     fn device(&mut self, ui: &mut Ui) {
         let ports = self.ports.get_or_insert_with(serial_ports);
         ui.label("Ports of this computer");
@@ -222,7 +222,7 @@ impl LaserDraft {
         ui.end_row();
     }
 
-    /// What arrives and what is understood of it.
+    /// Received lines and the distances parsed from them.
     fn test(&mut self, ui: &mut Ui, busy: bool) {
         section(ui, "What arrives");
         let settings = self.settings(&mut Problems::default());
@@ -286,7 +286,7 @@ fn unit(ui: &mut Ui, unit: &mut LaserUnit) {
     ui.end_row();
 }
 
-/// Line ends as they are typed.
+/// Line ends in their typed form.
 fn escaped(text: &str) -> String {
     text.replace('\r', "\\r").replace('\n', "\\n")
 }

@@ -1,4 +1,4 @@
-//! The connection dialog: which controller, where it is, its symbols, the laser.
+//! Connection dialog: kind and address of the controller, its symbols, the laser.
 
 mod draft;
 mod entry;
@@ -31,12 +31,12 @@ use crate::widgets::{
 
 pub use draft::Draft;
 
-/// Width of the window (points), where there is room.
+/// Width of the dialog (points), if it fits.
 const WIDTH: f32 = 920.0;
-/// Height around what scrolls (points).
+/// Height outside of the scrolled area (points).
 const AROUND: f32 = 210.0;
 
-/// Does what a command wants of the dialog.
+/// Carries out the request of a command.
 pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model: &Model) {
     let Some(open) = &model.open else {
         return;
@@ -58,7 +58,7 @@ pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model:
         }
         (ConnectionRequest::AskTrust(server), draft) => {
             let connects = draft.as_ref().is_none_or(|draft| draft.connects);
-            // Whoever connected without the dialog is asked in it.
+            // The dialog opens for the question if it was closed.
             let draft = dialog.get_or_insert_with(|| {
                 let last = &model.preferences.last_connection;
                 Box::new(Draft::of(open.session(), open.id(), last))
@@ -241,7 +241,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
     );
 }
 
-/// The lines of a grid that say who signs in.
+/// Grid rows for the authentication of the user.
 fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
     ui.label("Sign in");
     ui.horizontal_wrapped(|ui| {
@@ -277,7 +277,7 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     }
 }
 
-/// The line of a grid about passwords that are kept on this computer.
+/// Grid row for passwords stored on this computer.
 fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     ui.label("");
     ui.horizontal_wrapped(|ui| {
@@ -306,7 +306,7 @@ fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     ui.end_row();
 }
 
-/// A line of a grid with a choice from all values or the best that the server offers.
+/// Grid row with a choice from all values, or the best one offered by the server.
 fn chosen<T: Copy + PartialEq + std::fmt::Display>(
     ui: &mut Ui,
     name: &str,
@@ -402,7 +402,7 @@ fn symbols(
     names.rows.show(ui, names.is_custom, problems);
 }
 
-/// The question whether the certificate of the server is trusted.
+/// Question whether the certificate of the server is trusted.
 fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
     let Some((server, connects)) = &draft.untrusted else {
         return;
@@ -424,7 +424,7 @@ fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
     }
 }
 
-/// Why it cannot connect, and its buttons; whether it stays open.
+/// Footer: reason why connecting is not possible, and buttons; returns whether the dialog stays open.
 fn footer(
     ui: &mut Ui,
     model: &Model,

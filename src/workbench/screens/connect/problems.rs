@@ -1,6 +1,6 @@
-//! Fields of the connection dialog, and what is wrong with them.
+//! Fields of the connection dialog, and their errors.
 
-/// A field that can be wrong.
+/// Field that can have an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Field {
     Folder,
@@ -18,7 +18,7 @@ pub enum Field {
     UserKey,
     UrlTimeout,
     Symbol(usize),
-    /// Something of all symbols.
+    /// All symbols.
     Symbols,
     LaserHost,
     LaserPort,
@@ -26,12 +26,12 @@ pub enum Field {
     Baud,
     Pattern,
     NoReturn,
-    /// Something else of the laser.
+    /// Other settings of the laser.
     Laser,
 }
 
 impl Field {
-    /// Its name, and what it shows while it is empty.
+    /// Name and hint of the field.
     #[must_use]
     pub fn names(self) -> (&'static str, &'static str) {
         match self {
@@ -73,10 +73,10 @@ impl Field {
     }
 }
 
-/// A part of the window.
+/// Part of the dialog.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Part {
-    /// Kind and place of the controller.
+    /// Kind and address of the controller.
     #[default]
     Controller,
     Symbols,
@@ -94,23 +94,22 @@ impl Part {
     }
 }
 
-/// What is wrong with fields: one sentence each.
+/// Errors of fields, one sentence each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Problems(Vec<(Field, String)>);
 
 impl Problems {
-    /// A field is wrong.
     pub fn add(&mut self, field: Field, text: impl Into<String>) {
         self.0.push((field, text.into()));
     }
 
-    /// Whether nothing is wrong.
+    /// Whether there is no error.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// What is wrong with a field.
+    /// Error of a field.
     #[must_use]
     pub fn of(&self, field: Field) -> Option<&str> {
         let mut all = self.0.iter();
@@ -118,13 +117,13 @@ impl Problems {
         found.map(|(_, text)| text.as_str())
     }
 
-    /// What is wrong first.
+    /// First error.
     #[must_use]
     pub fn first(&self) -> Option<(Field, &str)> {
         self.0.first().map(|(field, text)| (*field, text.as_str()))
     }
 
-    /// The value of an answer, whose error belongs to a field.
+    /// Value of a result; its error is added for a field.
     pub fn take<T>(&mut self, field: Field, answer: Result<T, String>) -> Option<T> {
         answer.map_err(|text| self.add(field, text)).ok()
     }

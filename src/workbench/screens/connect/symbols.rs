@@ -1,4 +1,4 @@
-//! The table of symbols: what is needed, its name at the controller, scale and unit.
+//! Table of symbols: purpose, name at the controller, scale and unit.
 
 use egui::{Grid, RichText, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
@@ -12,7 +12,7 @@ use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
 use tautline_workflow::wording::{count, sentence};
 
-/// Width (points) from which on the columns have room beside each other.
+/// Width (points) at which the columns fit side by side.
 const WIDE: f32 = 560.0;
 
 #[derive(Debug, Clone)]
@@ -20,16 +20,16 @@ struct Row {
     need: Need,
     title: String,
     unit: String,
-    /// Name, or names with commas between them; nothing where there is none.
+    /// Name, or comma-separated names; empty if there is none.
     symbol: String,
     scale: String,
 }
 
-/// All rows with the answers of the controller.
+/// All rows, with the answers of the controller.
 #[derive(Debug, Clone)]
 pub struct SymbolRows {
     rows: Vec<Row>,
-    /// What the table does not show: offsets, elements, how orientations are written.
+    /// Parts of the mapping without a row: offsets, elements, format of orientations.
     base: SymbolMapping,
     cables: Vec<String>,
     /// Answer of the controller, or the reason why there is none.
@@ -69,7 +69,7 @@ impl SymbolRows {
         }
     }
 
-    /// The mapping that the rows make.
+    /// Mapping made from the rows.
     pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<SymbolMapping> {
         let mut mapping = self.base.clone();
         let commands = self.rows.iter().filter(|row| row.need.is_of_command());
@@ -94,7 +94,7 @@ impl SymbolRows {
             }
             good &= scale.is_some();
         }
-        // Parameters without a name are not at the controller.
+        // Parameters without a name are not available at the controller.
         mapping.parameters.retain(|p| !p.symbol.is_empty());
         if !good {
             return None;
@@ -112,7 +112,7 @@ impl SymbolRows {
         }
     }
 
-    /// The names for which a row stands, one per cable where it is a pattern.
+    /// Names of the symbols of a row, one per cable for a pattern.
     fn names(&self, row: &Row) -> Vec<String> {
         let names = row.symbol.split(',').map(str::trim);
         let mut all = Vec::new();
@@ -127,7 +127,7 @@ impl SymbolRows {
         all
     }
 
-    /// Answer of the controller for a row: the worst of its symbols.
+    /// Answer of the controller for a row: that of its worst symbol.
     fn found(&self, row: &Row) -> Option<&SymbolCheck> {
         let Some(Ok(checks)) = &self.checked else {
             return None;
@@ -161,7 +161,7 @@ impl SymbolRows {
         Some((Verdict::Bad, text))
     }
 
-    /// Draws the table; `own`: it can be edited.
+    /// Draws the table, for editing if `own`.
     pub fn show(&mut self, ui: &mut Ui, own: bool, problems: &Problems) {
         let found: Vec<Option<SymbolCheck>> = self
             .rows
@@ -206,7 +206,7 @@ impl SymbolRows {
 }
 
 impl Row {
-    /// Symbol, scale and unit; in a window without columns the scale has a label.
+    /// Fields for symbol, scale and unit; in a narrow window the scale has a label.
     fn fields(&mut self, ui: &mut Ui, own: bool, is_titled: bool) {
         let name = format!("Symbol: {}", self.title);
         edit(ui, own, &name, &mut self.symbol, 208.0);
@@ -230,7 +230,7 @@ impl Row {
 }
 
 fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
-    // A grid gives a field no more than it asks for at least.
+    // A grid gives a field only its minimum width.
     let field = TextEdit::singleline(text)
         .desired_width(width)
         .min_size(egui::vec2(width, 0.0))

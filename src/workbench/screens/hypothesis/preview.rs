@@ -1,4 +1,4 @@
-//! What the hypothesis does to the residuals.
+//! Effect of the hypothesis on the residuals.
 
 use egui::{CollapsingHeader, ComboBox, Label, RichText, Spinner, Ui};
 use tautline_core::effect::{FORMULA_QUANTITIES, formula_functions};
@@ -31,7 +31,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
             muted(ui, "Fitting it to the readings…");
         });
     }
-    // The last one stays, dimmed, until the next is there, so that nothing jumps while somebody types.
+    // The last preview stays, dimmed, until the next one is ready, so that the layout is stable while typing.
     ui.scope(|ui| {
         if is_fitting {
             ui.set_opacity(0.4);
@@ -45,7 +45,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
     });
 }
 
-/// What formulas may use; open while there is nothing else to see.
+/// Quantities and functions for formulas; expanded while there is no preview.
 fn vocabulary(ui: &mut Ui, is_open: bool) {
     let header = CollapsingHeader::new("Quantities and functions").default_open(is_open);
     header.show(ui, |ui| {

@@ -1,4 +1,4 @@
-//! What the channel that is shown is: by hand for it alone, or by pattern for that of every cable.
+//! Meaning of the shown channel: set for it alone, or by pattern for all cables.
 
 use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
@@ -13,7 +13,7 @@ struct Shown<'a> {
     series: &'a Series,
     name: &'a str,
     unit: Option<&'a str>,
-    /// Its entry in the recipe.
+    /// Entry of the recipe.
     entry: Option<&'a Assignment>,
     /// Pattern of the channels of all cables, and the number of the first.
     pattern: Option<(String, usize)>,
@@ -78,13 +78,13 @@ fn words(shown: &Shown<'_>, channel: usize) -> String {
     format!("{} rows{gaps}, {low} to {high}, {unit}", shown.series.rows)
 }
 
-/// A number with five digits at most.
+/// Number with at most five digits.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
 }
 
-/// Whether the choice is for this channel or for that of every cable.
+/// Choice between this channel and those of all cables.
 fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) {
     let Some((pattern, _)) = &shown.pattern else {
         return;
@@ -95,7 +95,7 @@ fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) 
     ui.add_space(GRID);
 }
 
-/// What the channel is: quantity, cable, unit, sign, factor and offset.
+/// Meaning of the channel: quantity, cable, unit, sign, factor and offset.
 fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool) {
     let cables = bench.robot.cable_count();
     let own = shown
@@ -173,7 +173,7 @@ fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool)
         });
 }
 
-/// A field for a number without a unit.
+/// Field for a dimensionless number.
 fn plain(name: &str, value: f64) -> Number<'_> {
     Number::of(name, value, 6, "", 88.0)
 }
@@ -197,7 +197,7 @@ fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
         .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
 }
 
-/// A new quantity, if one was chosen; `Some(None)` is that the channel is not used.
+/// Returns a newly chosen quantity; `Some(None)` if the channel is not used.
 fn choose_quantity(
     ui: &mut Ui,
     shown: &Shown<'_>,
@@ -240,7 +240,7 @@ fn choose_cable(ui: &mut Ui, bench: &Bench<'_>, now: usize) -> Option<usize> {
     chosen
 }
 
-/// A new unit, if one was chosen; `Some(None)` is that of the file.
+/// Returns a newly chosen unit; `Some(None)` for that of the file.
 fn choose_unit(
     ui: &mut Ui,
     shown: &Shown<'_>,
@@ -277,7 +277,7 @@ fn unit_of(quantity: Quantity) -> &'static str {
         .unwrap_or("")
 }
 
-/// Makes the channel, or those of the pattern, a quantity.
+/// Assigns a quantity to the channel or to those of the pattern.
 fn assign(
     bench: &mut Bench<'_>,
     shown: &Shown<'_>,
@@ -301,7 +301,7 @@ fn assign(
             }
         });
     };
-    // A channel with a number is that cable's, unless the operator chooses another.
+    // A numbered channel belongs to the cable of that number, unless set otherwise.
     if quantity.is_per_cable()
         && own.is_none()
         && let Some((pattern, first)) = &shown.pattern
@@ -320,7 +320,7 @@ fn assign(
     put(bench, shown, base, quantity, for_all, what);
 }
 
-/// Puts an entry of a channel into the recipe, for it alone or for its pattern.
+/// Writes an entry of the recipe, for a channel or its pattern.
 fn put(
     bench: &mut Bench<'_>,
     shown: &Shown<'_>,

@@ -1,4 +1,4 @@
-//! The poses of a session, planned and measured, as rows of a table.
+//! Planned and measured poses of a session, as table rows.
 
 use std::collections::BTreeSet;
 
@@ -8,26 +8,25 @@ use tautline_session::Session;
 /// Progress of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhaseStatus {
-    /// Still to be measured.
     Planned,
     Measured,
-    /// Measured, but left out.
+    /// Measured, but excluded.
     Excluded,
-    /// Measured in the plan of an earlier measurement of the same pose.
+    /// Measured, but not in the plan, because it repeats a planned pose.
     Repeat,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub label: i64,
-    /// Where it was or is to be commanded (mm); `None` where nothing was noted.
+    /// Commanded position (mm); `None` if not recorded.
     pub position_mm: Option<[f64; 3]>,
     /// Rotation from the home pose (degrees).
     pub rotation_deg: Option<f64>,
     pub standing: PhaseStatus,
 }
 
-/// All poses: those of the plan in its order, then those that are measured without being planned.
+/// All poses: the plan in its order, then measured poses without a plan.
 pub fn rows(session: &Session) -> Vec<Row> {
     let measurements = &session.measurements;
     let measured: BTreeSet<i64> = measurements.labels.iter().copied().collect();

@@ -1,4 +1,4 @@
-//! Live readings, and how far the robot has settled.
+//! Live readings and standstill.
 
 use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
@@ -12,7 +12,7 @@ use crate::widgets::{Cell, Column, checkbox, muted, table};
 use tautline_workflow::wording::cable_label;
 use tautline_workflow::wording::units::fixed;
 
-/// A cable by colour and number.
+/// Colour and number of a cable.
 pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
         dot(ui, index);
@@ -28,7 +28,7 @@ fn dot(ui: &mut Ui, cable: usize) {
         .circle_filled(rect.center(), 1.125 * GRID, colour);
 }
 
-/// The same as a link; whether it was clicked.
+/// Colour and name of a cable as a link; returns whether it was clicked.
 pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
     ui.horizontal(|ui| {
         dot(ui, index);
@@ -92,7 +92,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// Rates of change against their limits.
+/// Rates of change compared with their limits.
 pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
     let Some(rates) = rates else {
         return;

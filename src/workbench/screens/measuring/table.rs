@@ -1,4 +1,4 @@
-//! The table of poses, with actions for the selected one.
+//! Table of poses, with actions for the selected one.
 
 use egui::{Align, Layout, RichText, Role, Sense, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
@@ -49,12 +49,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     }
 }
 
-/// What the table shows of the moment.
+/// Present state for the table.
 struct Shown<'a> {
     selected: Option<i64>,
     current: Option<i64>,
     skipped: &'a dyn Fn(i64) -> bool,
-    /// Whether it was selected since the last frame.
+    /// Whether the selection changed since the last frame.
     is_new: bool,
 }
 
@@ -65,7 +65,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
     let place = rows
         .iter()
         .position(|row| Some(row.label) == shown.selected);
-    // Of all rows, so that a column is as wide as its longest number wherever it is scrolled to.
+    // From all rows, so that the column width does not change while scrolling.
     let axis = |k: usize| width(ui, rows.iter().filter_map(|row| Some(row.position_mm?[k])));
     let axes = [0, 1, 2].map(axis);
     let turn = width(ui, rows.iter().filter_map(|row| row.rotation_deg));
@@ -78,7 +78,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .sense(Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
         .auto_shrink([false, true])
-        // Whole rows, so that none is cut when one is scrolled to.
+        // Whole rows, so that none is cut off.
         .max_scroll_height(10.0 * height)
         .column(Column::exact(14.0 * GRID))
         .column(Column::exact(axes[0]))
@@ -134,7 +134,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
     clicked
 }
 
-/// Width of a column with these numbers and one decimal.
+/// Width of a column for numbers with one decimal.
 fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
     let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
     let font = egui::TextStyle::Body.resolve(ui.style());
@@ -145,7 +145,7 @@ fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
     galley.size().x + GRID
 }
 
-/// The label of a pose, to be pressed.
+/// Label of a pose, as a link; returns whether it was clicked.
 fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
     let text = if label == 0 {
         "Home".to_owned()

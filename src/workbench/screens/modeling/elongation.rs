@@ -1,4 +1,4 @@
-//! Elongation of the cables over length and tension.
+//! Elongation of the cables as a function of length and tension.
 
 use egui::Ui;
 use tautline_core::cable::ElongationSurface;
@@ -27,11 +27,11 @@ const FIELDS: [RowField; 3] = [
     ),
 ];
 
-/// Colours of the slices, one for each length at which the surface is drawn.
+/// Colours of the slices, one for each length of a drawn slice.
 const INKS: [Ink; 4] = [Ink::Muted, Ink::Text, Ink::Accent, Ink::Warning];
-/// Points this near to a slice are drawn with it, in halves of the measured range.
+/// Distance from a slice within which points are drawn with it, in halves of the measured range.
 const NEAR: f64 = 0.02;
-/// Points of a drawn slice.
+/// Number of points of a drawn slice.
 const STEPS: usize = 32;
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     points(ui, bench, input);
 }
 
-/// The elongation that the robot has, in words.
+/// Present elongation of the robot, in words.
 fn now(bench: &Bench<'_>) -> String {
     let cables = bench.robot().cables.iter().map(|cable| &cable.cable);
     let surfaces = cables.clone().filter_map(|c| c.elongation_surface.as_ref());

@@ -1,5 +1,5 @@
-//! The panel of the phase Modeling: the description of the robot with its tolerances, elongation of the cables, pulleys,
-//! where their length goes.
+//! Panel of the phase Modeling: description of the robot with its tolerances, elongation of the cables, pulleys,
+//! composition of the lengths.
 
 pub(crate) mod cable_table;
 pub(crate) mod description;
@@ -40,12 +40,12 @@ pub struct PanelState {
 }
 
 impl PanelState {
-    /// Opens the part about elongation.
+    /// Opens the part Elongation.
     pub fn show_elongation(&mut self) {
         self.part = Part::Elongation;
     }
 
-    /// Opens the description of the robot.
+    /// Opens the part Description.
     pub fn show_description(&mut self) {
         self.part = Part::Description;
     }

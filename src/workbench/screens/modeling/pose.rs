@@ -1,20 +1,19 @@
-//! The pose that the panel is about: the selected one, else home.
+//! Pose shown by the panel: the selected one, otherwise the home pose.
 
 use tautline_core::geometry::Pose;
 
 use crate::screens::bench_panel::Bench;
 
-/// A pose with what is known there.
+/// Pose with its tensions.
 pub struct Shown {
-    /// What it is called, such as "home".
+    /// Name, such as "home".
     pub name: String,
     pub pose: Pose,
-    /// Tensions (N), if all cables were measured there.
+    /// Tensions (N), if measured at all cables.
     pub tensions_n: Option<Vec<f64>>,
 }
 
-/// The selected pose as it was identified or else commanded; home if none is selected or its place is
-/// not known.
+/// Selected pose as identified, otherwise as commanded; the home pose if none is selected or its position is unknown.
 pub fn shown(bench: &Bench<'_>) -> Option<Shown> {
     let measurements = &bench.session().measurements;
     let row = |label: i64| measurements.labels.iter().position(|l| *l == label);

@@ -1,4 +1,4 @@
-//! Pulleys: radius, swivel axis, and what they do at the pose shown.
+//! Pulleys: radius, swivel axis, and their state at the shown pose.
 
 use egui::Ui;
 use tautline_core::geometry::Vec3;
@@ -121,7 +121,7 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     });
 }
 
-/// Sets a coordinate of the axis and makes it a unit vector again.
+/// Sets a component of the axis and normalizes it.
 fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Result<(), String> {
     let Some(cable) = robot.cables.get_mut(cable) else {
         return Ok(());
@@ -135,7 +135,7 @@ fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Resul
     Ok(())
 }
 
-/// Applies an entry, or refuses it.
+/// Applies an entry, or rejects it.
 fn change(
     bench: &mut Bench<'_>,
     entered: Option<Entered>,

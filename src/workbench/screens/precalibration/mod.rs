@@ -1,4 +1,4 @@
-//! The panel of the phase Pre-calibration: winches, force sensors, home platform.
+//! Panel of the phase Pre-calibration: winches, force sensors, home platform.
 
 mod force_sensors;
 mod home;

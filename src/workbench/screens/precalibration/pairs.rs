@@ -1,4 +1,4 @@
-//! What is calibrated cable by cable with pairs of a known and a read value: winches and force sensors.
+//! Calibration of each cable by pairs of a known and a read value: winches and force sensors.
 
 use egui::Ui;
 use tautline_core::robot::Cable;
@@ -14,55 +14,54 @@ use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::{fixed, signed};
 
-/// A pair of a table.
+/// Pair of a table.
 pub trait Pair: Sized {
     fn cable(&self) -> usize;
 
-    /// Its numbers in the order of the columns (SI units).
+    /// Numbers in the order of the columns (SI units).
     fn numbers(&self) -> Numbers;
 
-    /// The pair of these numbers; `None` if one is missing.
+    /// Pair from its numbers; `None` if one is missing.
     fn of(cable: usize, numbers: Numbers) -> Option<Self>;
 }
 
-/// How well the pairs of a cable fit, in the unit of the residuals that people read.
+/// Quality of the fit of a cable, in the display unit of the residuals.
 #[derive(Debug, Clone, Copy)]
 pub struct Quality<'a> {
-    /// Whether they stay within the limit.
+    /// Whether the residuals are within the limit.
     pub passed: bool,
     pub spread: f64,
-    /// Largest residual, whatever its sign.
+    /// Largest absolute residual.
     pub largest: f64,
-    /// The residuals (SI units).
+    /// Residuals (SI units).
     pub residuals: &'a [f64],
 }
 
-/// A fitted value of a cable beside that of the robot, in the unit that people read.
+/// Fitted value of a cable and the present one, in display units.
 #[derive(Debug, Clone, Copy)]
 pub struct Fitted {
-    /// What the robot has.
+    /// Present value of the robot.
     pub current: Option<f64>,
-    /// What was fitted, with its standard deviation.
+    /// Fitted value.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the fitted value.
     pub sd: f64,
-    /// Least and most decimals.
+    /// Smallest and largest number of decimals.
     pub decimals: [usize; 2],
 }
 
-/// What is written about a kind of instruments.
+/// Texts and columns for a kind of instrument.
 #[derive(Debug, Clone, Copy)]
 pub struct Words {
-    /// The file of its table.
     pub table: Table,
     pub one: &'static str,
-    /// Several, in a sentence.
+    /// Plural, for sentences.
     pub several: &'static str,
-    /// What to do while there are no pairs.
+    /// Instruction while there are no pairs.
     pub instruction: &'static str,
-    /// Where to look if a pair is off.
+    /// Advice for a pair outside the limit.
     pub advice: &'static str,
-    /// Along what residuals are drawn.
+    /// Name and unit of the horizontal axis of the residuals.
     pub along: (&'static str, &'static str),
     /// Columns of the pairs.
     pub fields: &'static [RowField],
@@ -70,39 +69,38 @@ pub struct Words {
     pub values_title: &'static str,
     /// Name and unit of each fitted value.
     pub values: &'static [(&'static str, &'static str)],
-    /// Unit of the residuals that people read, and how many of it are one SI unit.
+    /// Display unit of the residuals, and its number per SI unit.
     pub unit: (&'static str, f64),
-    /// Largest residual that passes, in that unit.
+    /// Limit of a residual, in that unit.
     pub limit: f64,
-    /// Decimals of a residual in a sentence.
+    /// Decimals of a residual in text.
     pub decimals: usize,
 }
 
-/// A kind of instruments that are calibrated by pairs.
+/// Kind of instrument that is calibrated by pairs.
 pub trait ByPairs {
     type Pair: Pair;
     type Fit;
-    /// What is written about it.
     const WORDS: Words;
 
-    /// The fits of all that were measured.
+    /// Fits of all measured cables.
     fn fits(calibration: &Calibration) -> &[PerCable<Self::Fit>];
 
-    /// How good one is.
+    /// Quality of a fit.
     fn quality(fit: &Self::Fit) -> Quality<'_>;
 
-    /// The pairs of a session.
+    /// Pairs of a session.
     fn pairs(phases: &PhaseData) -> &[Self::Pair];
 
     fn pairs_mut(phases: &mut PhaseData) -> &mut Vec<Self::Pair>;
 
-    /// Along what the residual of a pair is drawn.
+    /// Horizontal position of a pair's residual.
     fn place(pair: &Self::Pair) -> f64;
 
-    /// The fitted values of a cable, in the order of [`Words::values`].
+    /// Fitted values of a cable, in the order of [`Words::values`].
     fn values(fit: &Self::Fit, cable: &Cable) -> Vec<Fitted>;
 
-    /// The robot with these values.
+    /// Robot with these values.
     fn proposal(calibration: &Calibration) -> &Proposal;
 }
 
@@ -206,7 +204,7 @@ fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     bench.residuals(ui, plot);
 }
 
-/// The fitted values beside those of the robot, and the step that puts them into it.
+/// Fitted values and the present ones, and the step that applies them.
 fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let words = I::WORDS;
     section(ui, words.values_title);
@@ -215,7 +213,7 @@ fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
         columns.push(Column::number(name, unit));
         columns.extend(["Measured", "±"].map(|title| Column::number(title, unit)));
     }
-    // More columns than these would not fit.
+    // There is no room for more columns.
     let shows_change = words.values.len() == 1;
     if shows_change {
         columns.push(Column::number("Change", words.values[0].1));

@@ -1,4 +1,4 @@
-//! The sessions of a record as a table; two that are clicked can be compared.
+//! Table of the sessions of a record; two selected ones can be compared.
 
 use std::sync::Arc;
 
@@ -69,11 +69,11 @@ pub(super) fn show(
     );
 }
 
-/// A column of the table.
+/// Column of the table, shown if a session has a value for it.
 struct Described {
     head: Column<'static>,
     cell: Box<dyn Fn(&RecordRow) -> Cell>,
-    /// Whether a session has something to say in it.
+    /// Whether a session has a value for the column.
     is_said: fn(&RecordRow) -> bool,
 }
 
@@ -140,7 +140,7 @@ fn columns(ui: &Ui) -> [Described; 8] {
     ]
 }
 
-/// Takes a session among the two that are compared, the earlier first; the one that was clicked longest ago leaves.
+/// Adds a session to the two compared ones, the earlier first, in place of the one clicked longest ago.
 fn choose(chosen: &mut Vec<usize>, index: usize) {
     match chosen.iter().position(|known| *known == index) {
         Some(at) => {

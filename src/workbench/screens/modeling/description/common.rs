@@ -1,4 +1,4 @@
-//! The platform and the home pose.
+//! Platform and home pose.
 
 use egui::Ui;
 use tautline_core::geometry::Coordinate;
@@ -84,7 +84,7 @@ pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
 }
 
-/// A home pose in the middle of the pulleys.
+/// Home pose in the middle of the pulleys.
 fn default_home(robot: &Robot) -> Home {
     let count = robot.cables.len().max(1) as f64;
     let mean = |axis: usize| {

@@ -1,4 +1,4 @@
-//! Fields of the description, each checked with the whole robot while it is typed.
+//! Fields of the description; the whole robot is checked while typing.
 
 use egui::{Grid, Ui};
 use tautline_core::robot::Robot;
@@ -12,19 +12,19 @@ use crate::widgets::{Entered, Number, number_checked};
 const WIDTH: f32 = 84.0;
 const OF_THREE: f32 = 62.0;
 
-/// A number of the description.
+/// Number of the description.
 pub struct Field<'a> {
     pub name: &'a str,
-    /// Unit that the operator reads and types.
+    /// Display unit.
     pub unit: &'a str,
-    /// This many of that unit are one SI unit.
+    /// Display units per SI unit.
     pub per_si: f64,
-    /// Decimals that are shown.
+    /// Number of decimals.
     pub decimals: usize,
 }
 
 impl<'a> Field<'a> {
-    /// A length in millimetres.
+    /// Length in millimetres.
     pub const fn millimetres(name: &'a str, decimals: usize) -> Self {
         Self {
             per_si: 1e3,
@@ -32,7 +32,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// A number in an SI unit.
+    /// Number in an SI unit.
     pub const fn new(name: &'a str, unit: &'a str, decimals: usize) -> Self {
         Self {
             name,
@@ -43,7 +43,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A number that every cable, or part of a cable, has: field, value, and how it is set.
+/// Number of every cable or part of a cable: field, value, setter.
 pub type OfEvery<'a, T> = (Field<'a>, f64, fn(&mut T, f64));
 
 pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
@@ -53,7 +53,7 @@ pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
         .show(ui, add);
 }
 
-/// A line of a grid with one number. An empty field is `None`, where that is possible.
+/// Grid row with one optional number; `None` if empty.
 pub fn optional(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
@@ -74,7 +74,7 @@ pub fn optional(
     ui.end_row();
 }
 
-/// A line of a grid with one number.
+/// Grid row with one number.
 pub fn one(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
@@ -87,7 +87,7 @@ pub fn one(
     });
 }
 
-/// A line of a grid with x, y and z.
+/// Grid row with x, y and z.
 pub fn three(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
@@ -100,7 +100,7 @@ pub fn three(
         ui.spacing_mut().item_spacing.x = GRID;
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let name = format!("{} {axis}", field.name);
-            // The unit stands once, behind the last one.
+            // The unit is shown once, after the last field.
             let of_axis = Field {
                 unit: if k == 2 { field.unit } else { "" },
                 ..*field
@@ -160,7 +160,7 @@ fn cell(
     );
 }
 
-/// Puts a changed robot into the session, or refuses an invalid one.
+/// Replaces the robot of the session, or rejects an invalid one.
 pub fn put(bench: &mut Bench<'_>, robot: Robot, what: &str) {
     match robot.check() {
         Ok(()) if robot == *bench.robot() => {}
@@ -172,14 +172,14 @@ pub fn put(bench: &mut Bench<'_>, robot: Robot, what: &str) {
     }
 }
 
-/// Changes the robot, if it stays one.
+/// Changes the robot, unless it becomes invalid.
 pub fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Robot)) {
     let mut robot = bench.robot().clone();
     change(&mut robot);
     put(bench, robot, what);
 }
 
-/// Changes a part that the robot may lack.
+/// Changes an optional part of the robot.
 pub fn of_part<P, T>(
     part: fn(&mut Robot) -> Option<&mut P>,
     set: impl Fn(&mut P, T),

@@ -1,4 +1,4 @@
-//! The instruments: force sensors, laser, inclinometer, external instrument.
+//! Instruments: force sensors, laser, inclinometer, external instrument.
 
 use egui::Ui;
 use tautline_core::robot::{
@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     tracker(ui, bench);
 }
 
-/// A check box for an instrument of the robot.
+/// Check box for an instrument of the robot.
 fn has(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
@@ -104,7 +104,7 @@ fn laser(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
 }
 
-/// A laser that looks along gravity at a plane below all pulleys.
+/// Laser along gravity towards a plane below all pulleys.
 fn downward(robot: &Robot) -> Laser {
     let gravity = robot.gravity();
     let down = gravity
