@@ -1,4 +1,4 @@
-//! Measuring until goals are reached: the goals, and the state of knowledge.
+//! Measuring until goals are reached: the goals, and the assessment after each pose.
 
 use egui::{Label, Ui};
 use tautline_core::sequential::{Assessment, FIRST_POSES, Goal};
@@ -20,7 +20,7 @@ use crate::widgets::{
 pub(super) struct UntilState {
     /// Goals as set last, one of each kind, including disabled ones.
     offered: [Goal; 3],
-    /// State of knowledge, by session and revision, and by the end of the run, which does not change the revision.
+    /// Assessment, by session and revision, and by the end of the run, which does not change the revision.
     known: Memo<(u64, u64, Option<&'static str>), UntilDocument>,
 }
 
@@ -190,7 +190,7 @@ fn limit(ui: &mut Ui, until: &mut UntilSettings, outbox: &mut Outbox) {
     });
 }
 
-/// Draws the state of knowledge, and the reason for the next pose or the end of the run.
+/// Draws the assessment, and the reason for the next pose or the end of the run.
 pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
     let (Some(open), Some(run)) = (&model.open, &model.link.run) else {
         return;
