@@ -32,7 +32,7 @@ enum Job {
 pub enum AutosaveEvent {
     /// The pose of this label is on disk.
     Measured(i64),
-    /// All jobs before [`Job::Tell`] are on disk.
+    /// All jobs before `Job::Tell` are on disk.
     Kept,
     /// Error message of a failed write.
     Failed(String),

@@ -25,7 +25,7 @@ impl FitProgress {
         self.course(|course| course.readings = readings(dataset));
     }
 
-    /// Adds the chi-square of a step; returns the root mean square of the normalized residuals, as if every reading
+    /// Adds the chi-square of a step; returns the root mean square of the normalised residuals, as if every reading
     /// were redundant.
     pub fn step(&self, chi2: f64) -> f64 {
         self.course(|course| {
@@ -35,7 +35,7 @@ impl FitProgress {
         })
     }
 
-    /// Root mean square of the normalized residuals after each step.
+    /// Root mean square of the normalised residuals after each step.
     pub fn missed(&self) -> Vec<f64> {
         self.course(|course| course.missed.clone())
     }

@@ -155,7 +155,7 @@ fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
     groups
 }
 
-/// Normalized residuals of a quantity, with their rows.
+/// Normalised residuals of a quantity, with their rows.
 #[must_use]
 pub fn residuals(
     fit: &Identification,

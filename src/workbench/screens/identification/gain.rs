@@ -60,7 +60,7 @@ fn dumbbell(ui: &mut Ui, gain: &Gain) {
     };
     let painter = ui.painter();
     painter.line_segment([at(0.0), at(most)], Stroke::new(1.0, palette.line));
-    // Expected normalized residual of an adequate model.
+    // Expected normalised residual of an adequate model.
     let one = at(1.0);
     painter.line_segment(
         [one - vec2(0.0, GRID), one + vec2(0.0, GRID)],

@@ -121,7 +121,7 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     });
 }
 
-/// Sets a component of the axis and normalizes it.
+/// Sets a component of the axis and normalises it.
 fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Result<(), String> {
     let Some(cable) = robot.cables.get_mut(cable) else {
         return Ok(());

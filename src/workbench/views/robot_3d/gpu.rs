@@ -1,4 +1,4 @@
-//! Draws on the graphics card, through three-d.
+//! Rendering on the graphics card, with three-d.
 
 use std::sync::Arc;
 
@@ -14,21 +14,21 @@ use super::drawing::{Drawing, Lines, Points};
 use super::framebuffer::{Framebuffer, PixelBox, is_software};
 use super::parts::{Part, Shape};
 
-/// What a picture depends on.
+/// Inputs of a rendered picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureKey {
     pub drawing: u64,
     pub camera: Camera,
-    /// Pixels.
+    /// Size in pixels.
     pub size: [u32; 2],
     /// Pixels per point of the screen.
     pub scale: f32,
-    /// Whether camera or platform move: of very many poses some are left out, and where the processor draws, edges are not
-    /// smoothed.
+    /// Whether camera or platform moves: then some of very many poses are omitted, and a software renderer does not
+    /// smooth edges.
     pub moves: bool,
 }
 
-/// Parts, by their shapes.
+/// Instances of the parts, by shape.
 struct PartBuffers([InstancedMesh; Shape::ALL.len()]);
 
 impl PartBuffers {
@@ -89,7 +89,7 @@ impl Material for Paint {
     }
 }
 
-/// Where a part stands, as the graphics card takes it.
+/// Transformation of a part, for the graphics card.
 fn single(part: &Part) -> Mat4 {
     let columns: [[f32; 4]; 4] = part.base_from_shape.cast::<f32>().into();
     columns.into()
@@ -133,14 +133,14 @@ impl PointBuffers {
     }
 }
 
-/// A drawing on the graphics card.
+/// Drawing on the graphics card.
 struct Loaded {
     number: u64,
     lines: LineBuffers,
     points: PointBuffers,
 }
 
-/// Points of poses on the graphics card; they stay there while the rest of the drawing changes.
+/// Points of the poses on the graphics card, kept while the rest of the drawing changes.
 struct LoadedPoses {
     points: Arc<Points>,
     buffers: PointBuffers,
@@ -160,7 +160,7 @@ struct Card {
     shown: Option<PictureKey>,
 }
 
-/// The robot's picture on the graphics card; it is made on first use, with the context that paints.
+/// Renderer of the robot; created on first use, with the context that paints.
 #[derive(Default)]
 pub struct Gpu {
     card: Option<Card>,
@@ -168,7 +168,7 @@ pub struct Gpu {
     draws: u64,
 }
 
-/// What all programs of a picture share.
+/// State shared by all shader programs of a picture.
 struct Look {
     camera: three_d::Camera,
     eye: Vec3,
@@ -251,7 +251,7 @@ impl Card {
         }
     }
 
-    /// Makes the picture of `key` unless it is there; says whether it was drawn.
+    /// Renders the picture of `key` unless it exists; returns whether it was rendered.
     fn picture(&mut self, drawing: &Drawing, key: PictureKey) -> Result<bool, String> {
         if self.shown == Some(key) && self.framebuffer.is_some() {
             return Ok(false);
@@ -337,7 +337,8 @@ impl Card {
 }
 
 impl Gpu {
-    /// Shows the picture of `key` at `place` of what is bound, inside `clip`; draws it before if it is not there.
+    /// Copies the picture of `key` to `place` of the bound framebuffer, clipped to `clip`; renders it first if
+    /// necessary.
     pub fn paint(
         &mut self,
         gl: &Arc<gl::Context>,
@@ -371,25 +372,25 @@ impl Gpu {
         Ok(())
     }
 
-    /// How often the picture was drawn, not copied.
+    /// Number of renderings of the picture; copies do not count.
     #[must_use]
     pub fn draws(&self) -> u64 {
         self.draws
     }
 
-    /// Whether the processor draws, once it has.
+    /// Whether a software renderer is used; known after the first rendering.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.card.as_ref().is_some_and(|card| card.is_software)
     }
 
-    /// Why there is no picture, if there cannot be one.
+    /// Reason why there is no picture, if rendering failed.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.failure.as_deref()
     }
 
-    /// Frees what lies on the graphics card, while its context is current.
+    /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.card = None;
     }

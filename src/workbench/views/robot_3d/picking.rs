@@ -1,4 +1,4 @@
-//! What is under the pointer.
+//! Picking: the object under the pointer.
 
 use tautline_core::geometry::Vec3;
 
@@ -7,51 +7,50 @@ use super::drawing::{Drawing, Options, cable_width, pose_size};
 use super::scene::{Placed, Scene, Wheel};
 use super::surface;
 
-/// How far beside a thing the pointer may be (points of the screen).
+/// Largest distance of the pointer from an object (points of the screen).
 const TOLERANCE: f64 = 6.0;
 
-/// How far beside a pulley a double-click finds it (points of the screen).
+/// Largest distance of a double-click from a pulley (points of the screen).
 const NEAR_PULLEY: f64 = 24.0;
 
-/// An object that can be picked.
+/// Object that can be picked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Thing {
-    /// A cable, by its index.
+    /// Cable, by its index.
     Cable(usize),
-    /// The pulley of a cable.
+    /// Pulley of a cable.
     Pulley(usize),
     Platform,
-    /// A measured pose, by its label.
+    /// Measured pose, by its label.
     Pose(i64),
     LaserSpot,
 }
 
-/// A picture of which the pointer is over a part.
+/// Scene, options and camera of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
     pub scene: &'a Scene,
-    /// What is drawn of it.
     pub options: &'a Options,
     pub camera: &'a Camera,
     /// Width and height (points of the screen).
     pub size: [f64; 2],
 }
 
-/// An object near the pointer.
+/// Object near the pointer.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
     thing: Thing,
-    /// Distance to what is drawn (points of the screen); 0 if it is met.
+    /// Distance to the drawn object (points of the screen); 0 if it is hit.
     beside: f64,
     depth_m: f64,
 }
 
-/// A point of the picture, in points of the screen, with its depth (m).
+/// Projected point, in points of the screen, with its depth (m).
 #[derive(Debug, Clone, Copy)]
 pub struct OnScreen {
-    /// From the left.
+    /// Distance from the left.
     pub x: f64,
-    /// From the top.
+    /// Distance from the top.
     pub y: f64,
     /// Distance along the direction of view (m).
     pub depth_m: f64,
@@ -62,7 +61,7 @@ impl Picture<'_> {
         self.size[0] / self.size[1]
     }
 
-    /// Where `point` (m) is seen; `None` behind the eye.
+    /// Projection of `point` (m); `None` behind the eye.
     #[must_use]
     pub fn on_screen(&self, point: &Vec3) -> Option<OnScreen> {
         let seen = self.camera.project(point, self.aspect())?;
@@ -79,14 +78,14 @@ impl Picture<'_> {
         self.size[1] / self.camera.height_at(depth_m)
     }
 
-    /// Where a cable and its pulleys are drawn.
+    /// Cable and its pulleys as drawn.
     #[must_use]
     pub fn placed(&self, cable: usize) -> Placed {
         let magnification = self.options.exaggeration_of(self.scene);
         self.scene.placed(cable, magnification)
     }
 
-    /// The nearest of what is drawn at `(x, y)` (m); `drawing` is that of the scene.
+    /// Nearest point of the drawing at `(x, y)` (m).
     #[must_use]
     pub fn met(&self, drawing: &Drawing, x: f64, y: f64) -> Option<Vec3> {
         let at = (x / self.size[0], y / self.size[1]);
@@ -99,13 +98,13 @@ impl Picture<'_> {
         Some(ray.origin + ray.direction * nearest)
     }
 
-    /// What is at `(x, y)`: the nearest to the eye of what is met there, else what is closest beside.
+    /// Object at `(x, y)`: of the objects hit the nearest to the eye, otherwise the closest beside.
     #[must_use]
     pub fn pick(&self, x: f64, y: f64) -> Option<Thing> {
         self.nearest(x, y).map(|hit| hit.thing)
     }
 
-    /// The pulley at `(x, y)`, else the one closest beside.
+    /// Pulley at `(x, y)`, otherwise the closest beside.
     pub(crate) fn pulley_near(&self, x: f64, y: f64) -> Option<usize> {
         if let Some(Thing::Pulley(index)) = self.pick(x, y) {
             return Some(index);
@@ -177,7 +176,7 @@ impl Picture<'_> {
         forward: &Vec3,
         at: [f64; 2],
     ) -> Option<Hit> {
-        // The disc through its middle, or the sphere of its thickness where it is seen from the edge.
+        // The disc through its centre, or the sphere of its thickness if seen edge-on.
         let away = wheel.centre - ray.origin;
         let distance = away.dot(&wheel.normal) / ray.direction.dot(&wheel.normal);
         let met = ray.origin + ray.direction * distance;
@@ -232,7 +231,7 @@ impl Picture<'_> {
     }
 }
 
-/// Distance of `(x, y)` from the piece between two points, and the depth there (m).
+/// Distance of `(x, y)` from the segment between two points, and the depth there (m).
 fn closest(from: &OnScreen, to: &OnScreen, x: f64, y: f64) -> (f64, f64) {
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     let square = dx * dx + dy * dy;
@@ -242,12 +241,12 @@ fn closest(from: &OnScreen, to: &OnScreen, x: f64, y: f64) -> (f64, f64) {
         0.0
     };
     let distance = (from.x + share * dx - x).hypot(from.y + share * dy - y);
-    // Along a line, the reciprocal of the depth is what changes evenly in the picture.
+    // Along a line, the reciprocal of the depth is linear in the picture.
     let inverse = (1.0 - share) / from.depth_m + share / to.depth_m;
     (distance, 1.0 / inverse)
 }
 
-/// Distance along the ray at which it enters the box (m).
+/// Distance along the ray to its entry into the box (m).
 fn ray_box(ray: &Ray, low: &Vec3, high: &Vec3) -> Option<f64> {
     let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
     for axis in 0..3 {
@@ -297,7 +296,8 @@ mod tests {
                     if thing == Thing::Cable(index) {
                         continue;
                     }
-                    // In views along an axis cables cover each other; what is picked must be drawn there, too.
+                    // In views along an axis, cables cover each other; the picked one must be drawn at this position,
+                    // too.
                     let covers = match thing {
                         Thing::Cable(other) => picture
                             .pick_path(

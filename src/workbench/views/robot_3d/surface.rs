@@ -1,4 +1,4 @@
-//! The nearest surface that a line of sight meets, of what is drawn.
+//! Nearest surface of a drawing along a line of sight.
 
 use tautline_core::geometry::Vec3;
 
@@ -6,7 +6,7 @@ use super::camera::Ray;
 use super::drawing::Drawing;
 use super::parts::Part;
 
-/// Where a line of sight meets what is drawn first (m), solid or to look through.
+/// First intersection of a line of sight with the drawing (m), including translucent parts.
 #[must_use]
 pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
     let parts = drawing.solids.iter().chain(&drawing.glass);
@@ -15,7 +15,7 @@ pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
     Some(ray.origin + ray.direction * nearest)
 }
 
-/// Distance along a line of sight to the first of the triangles of a part that it meets (m).
+/// Distance along a line of sight to the first triangle of a part (m).
 fn distance(part: &Part, ray: &Ray) -> Option<f64> {
     let triangles = part.triangles().into_iter();
     let met = triangles.filter_map(|corners| triangle(ray, corners));

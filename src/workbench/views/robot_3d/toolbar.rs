@@ -1,4 +1,4 @@
-//! The row above the picture.
+//! Toolbar above the picture.
 
 use egui::{Slider, Ui, WidgetInfo};
 use egui_material_icons::icons;
@@ -11,29 +11,29 @@ use crate::widgets::{checkbox, icon_only, muted};
 /// Width of the slider with its number (points).
 const EXAGGERATION: f32 = 240.0;
 
-/// A camera movement that was requested.
+/// Requested camera movement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
     /// Show everything.
     All,
-    /// Inspect the pulley that is selected, or show everything.
+    /// Inspect the selected pulley, or show everything.
     Selected,
-    /// Show what is selected among what is around it.
+    /// Frame the selection with its surroundings.
     Frame,
-    /// Show depth in this way.
+    /// Set the projection.
     Project(Projection),
     /// Turn to a standard view and show everything.
     To(StandardView),
 }
 
-/// Width (points) from which on everything is in the row.
+/// Width (points) at which everything fits in the toolbar.
 const WIDE: f32 = 900.0;
-/// Width (points) from which on colours stand beside each other.
+/// Width (points) at which the colours are side by side.
 const MEDIUM: f32 = 800.0;
-/// Width (points) from which on the standard views do, too.
+/// Width (points) at which the standard views are side by side.
 const NARROW: f32 = 460.0;
 
-/// Draws the row: how depth shows now, whether something is selected, and whether the view can be maximised.
+/// Draws the toolbar for the present projection; `can_frame` enables framing, `maximise` adds its button.
 pub fn show(
     ui: &mut Ui,
     options: &mut Options,
@@ -86,7 +86,7 @@ pub fn show(
     aim
 }
 
-/// The standard views and how depth shows; gives what was asked for.
+/// Standard views and projection; returns a requested camera movement.
 fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
     let mut aim = None;
     for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
@@ -185,7 +185,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
 }
 
 fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
-    // A slider does not go to the next row by itself.
+    // A slider does not wrap to the next row by itself.
     if ui.available_size_before_wrap().x < EXAGGERATION {
         ui.end_row();
     }

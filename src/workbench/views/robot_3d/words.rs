@@ -17,7 +17,7 @@ pub fn describe(scene: &Scene, thing: Thing) -> String {
     }
 }
 
-/// Which pose is shown.
+/// Name of the shown pose.
 #[must_use]
 pub fn shown(scene: &Scene) -> String {
     let shown = pose_shown(scene);
@@ -89,7 +89,7 @@ fn pulley(scene: &Scene, index: usize) -> String {
     text
 }
 
-/// Coordinates of a place, in millimetres.
+/// Coordinates of a position, in millimetres.
 fn place(at: &Vec3) -> String {
     let [x, y, z] = <[f64; 3]>::from(*at).map(|metres| mm(metres, 1));
     format!("({x}, {y}, {z}) mm")

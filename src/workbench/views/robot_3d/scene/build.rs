@@ -1,4 +1,4 @@
-//! Builds a scene from robot, measurements and identification.
+//! Construction of a scene from robot, measurements and identification.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,27 +19,26 @@ use crate::views::robot_3d::camera;
 use tautline_workflow::identification::{FitVerdict, Identification, entry_point_covariance};
 use tautline_workflow::wording::cable_label;
 
-/// What a scene is built from.
+/// Inputs of a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
-    /// The robot of the drawings.
+    /// Robot of the drawings.
     pub robot: &'a Robot,
-    /// What was measured.
     pub measurements: &'a Measurements,
-    /// What was identified, if it was.
+    /// Identification, if any.
     pub fit: Option<&'a Identification>,
-    /// The pose that is shown, and the cable whose residuals the poses show.
+    /// Shown pose, and the cable whose residuals colour the poses.
     pub selection: Selection,
-    /// Where the platform is now, while it is measured; comes before the selected pose.
+    /// Live platform; takes precedence over the selected pose.
     pub live: Option<&'a LivePlatform>,
-    /// Positions of the poses that are still to be measured (m).
+    /// Positions of the poses still to be measured (m).
     pub planned: &'a [Vec3],
-    /// How far the platform was from where it was sent.
+    /// Errors of position of the platform.
     pub errors: &'a [PositionError],
 }
 
 impl<'a> Subject<'a> {
-    /// A robot alone, at home.
+    /// Robot alone, at home.
     #[must_use]
     pub fn new(robot: &'a Robot, measurements: &'a Measurements) -> Self {
         Self {
@@ -57,14 +56,12 @@ impl<'a> Subject<'a> {
         self.fit.map_or(self.robot, |fit| &fit.model)
     }
 
-    /// Builds the scene.
     #[must_use]
     pub fn scene(&self) -> Scene {
         self.scene_with(None)
     }
 
-    /// Builds the scene with measured poses that are known already, so that nothing is looked up in the identification
-    /// while the platform moves.
+    /// Builds the scene with known measured poses, so that no identification is searched while the platform moves.
     #[must_use]
     pub fn scene_with(&self, measured: Option<Arc<MeasuredPoses>>) -> Scene {
         let robot = self.robot;
@@ -213,7 +210,7 @@ fn fitted_poses(fit: &Identification) -> Fitted {
     labelled.collect()
 }
 
-/// Where a row says that the platform was, as commanded or as an external instrument saw it.
+/// Commanded or tracked pose of a row.
 fn given_pose(data: &Measurements, row: usize) -> Option<Pose> {
     data.commanded.get(row).copied().flatten().or_else(|| {
         data.tracked_position_at(row).map(|position| Pose {

@@ -1,4 +1,4 @@
-//! Cables and pulleys: the path over the wheel, the sag.
+//! Cables and pulleys: path over the wheel, sag.
 
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::kinematics::{CableDetail, CableDrawing, cable_polyline};
@@ -6,25 +6,24 @@ use tautline_core::robot::{Cable, Robot};
 
 use super::Wheel;
 
-/// A cable with its pulley at a pose.
+/// Cable with its pulley at a pose.
 pub struct Located {
-    /// Its pulley.
     pub wheel: Wheel,
     /// Points from the winch's side to the platform (m).
     pub path: Vec<Vec3>,
-    /// Straight part (m); `None` where it has no path: then it is a line from entry point to platform.
+    /// Straight length (m); `None` if there is no path over the pulley: then it is a line from entry point to platform.
     pub free_m: Option<f64>,
 }
 
-/// All cables of `robot` at `pose`; those sag whose tension (N) is known.
+/// All cables of `robot` at `pose`; cables with a known tension (N) sag.
 pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<Located> {
     let radii = robot.cables.iter().map(|cable| cable.pulley.radius_m);
     let detail = CableDetail {
-        // A short piece of the run from the winch tells from where the cable comes.
+        // A short piece towards the winch shows where the cable comes from.
         lead_in_m: 2.0 * radii.fold(0.0, f64::max),
         ..CableDetail::default()
     };
-    // Nothing holds up a cable of no tension: it is drawn straight.
+    // A cable without tension is drawn straight.
     let taut: Vec<_> = tensions_n.iter().map(|t| t.filter(|t| *t > 0.0)).collect();
     let drawings = cable_polyline(robot, pose, &taut, &detail);
     let mut drawings = drawings.unwrap_or_default().into_iter();

@@ -1,4 +1,4 @@
-//! What is seen of the presets.
+//! Scenes of the presets.
 
 use tautline_core::geometry::Vec3;
 use tautline_core::kinematics::inverse_kinematics;
@@ -63,7 +63,7 @@ fn sag_adds_the_length_that_the_model_has() {
         let horizontal = (anchor - exit).xy().norm();
         let weight = description.cable.weight_n_per_m;
         let modelled = (weight * horizontal / tension_n).powi(2) * free / 24.0;
-        // The chords of 24 pieces are shorter than the parabola by 1/576 of the extra length.
+        // The chords of 24 segments are shorter than the parabola by 1/576 of the extra length.
         assert!(modelled > 1e-4 && (drawn - free - modelled).abs() < 0.02 * modelled);
         let middle = cable.path[cable.path.len() - 13];
         assert!(middle.z < exit.lerp(&anchor, 0.5).z, "it hangs down");
