@@ -1,4 +1,4 @@
-//! Writes unsaved changes to the recovery folder, on a thread of its own, so that a crash loses nothing.
+//! Writes unsaved changes to the recovery folder, on a separate thread, so that a crash loses nothing.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;

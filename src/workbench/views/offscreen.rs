@@ -73,7 +73,6 @@ impl HeadlessGl {
             .build(None);
         // SAFETY: the device comes from the query, no native handle is passed, and the display outlives the context,
         // because both are stored together.
-        // both are kept together.
         unsafe {
             let display = Display::with_device(device, None)?;
             let config = display

@@ -150,7 +150,7 @@ fn entered(text: &str, field: &Number<'_>, check: &dyn Fn(f64) -> Result<(), Str
 /// Parses a number with a decimal point or comma.
 ///
 /// # Errors
-/// What was found and what was expected.
+/// If the text is not a number; the message states what was found and expected.
 pub fn parse(text: &str) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {

@@ -27,7 +27,7 @@ const SENT_EVERY_S: f64 = 0.01;
 /// Polled readings are shown again after such a pause of the published ones.
 const SILENCE: Duration = Duration::from_millis(500);
 
-/// A controller with what belongs to its connection.
+/// Controller with the state of its connection.
 pub(super) struct Connection {
     pub controller: GuardedController<dyn Controller>,
     /// Laser whose distance the operator types.

@@ -336,7 +336,7 @@ fn checked(
 /// Parses a port number.
 ///
 /// # Errors
-/// What was found and what was expected.
+/// If the text is not a port number; the message states what was found and expected.
 pub fn port(text: &str) -> Result<u16, String> {
     let number = text.trim().parse().ok().filter(|port| *port != 0);
     number.ok_or_else(|| format!("found \"{text}\", expected a number from 1 to 65535"))
