@@ -4,7 +4,7 @@ use egui::ThemePreference;
 use tautline_session::Theme;
 
 use crate::model::command::ViewCommand;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::{Model, Selection, UiRequest};
 
 /// Smallest and largest zoom factor.
@@ -32,13 +32,13 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         ViewCommand::ShowDependence(quantity, cable, variable) => {
             model.selection = cable.map(Selection::cable).unwrap_or_default();
             model.inspected = None;
-            show(model, Part::Plots);
+            show(model, ScreenPart::Plots);
             model.request(UiRequest::ShowDependence(quantity, cable, variable));
         }
         ViewCommand::Inspect(cable) => {
             model.inspected = cable;
             if cable.is_some() {
-                show(model, Part::Robot);
+                show(model, ScreenPart::Robot);
                 model.selection.cable = cable;
                 model.request(UiRequest::ShowRobot);
             }
@@ -76,7 +76,7 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
 }
 
 /// Ends the maximised view of another part.
-fn show(model: &mut Model, part: Part) {
+fn show(model: &mut Model, part: ScreenPart) {
     model.maximised = model.maximised.filter(|maximised| *maximised == part);
 }
 

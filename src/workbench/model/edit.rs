@@ -218,7 +218,7 @@ impl Editable {
 
 /// Earlier state, with the name of the edit that changed it.
 #[derive(Debug, Clone)]
-struct Step {
+struct UndoStep {
     /// Number of the edit, never reused.
     number: u64,
     name: String,
@@ -241,8 +241,8 @@ pub enum InputRevision {
 /// Edits that can be undone and redone.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    undo: Vec<Step>,
-    redo: Vec<Step>,
+    undo: Vec<UndoStep>,
+    redo: Vec<UndoStep>,
     edits: u64,
 }
 
@@ -258,7 +258,7 @@ impl History {
         inputs: u64,
     ) -> Option<InputRevision> {
         let is_import = matches!(edit, Edit::Import(..));
-        let step = Step {
+        let step = UndoStep {
             number: self.edits + 1,
             name: edit.name(),
             state: Editable::of(session),
@@ -340,8 +340,8 @@ impl History {
 }
 
 fn step(
-    from: &mut Vec<Step>,
-    to: &mut Vec<Step>,
+    from: &mut Vec<UndoStep>,
+    to: &mut Vec<UndoStep>,
     session: &mut Session,
     inputs: u64,
 ) -> Option<(String, InputRevision)> {
@@ -351,7 +351,7 @@ fn step(
     let poses = left
         .poses
         .map(|poses| std::mem::replace(&mut session.measurements, poses));
-    to.push(Step {
+    to.push(UndoStep {
         number: left.number,
         name: left.name.clone(),
         state,

@@ -111,7 +111,7 @@ pub struct Model {
     trail: Vec<Screen>,
     pub selection: Selection,
     /// Maximised part of a phase's screen, if any.
-    pub maximised: Option<part::Part>,
+    pub maximised: Option<part::ScreenPart>,
     /// Inspected pulley, by the index of its cable.
     pub inspected: Option<usize>,
     /// Playback of the measured poses, and view of the moving robot.

@@ -2,7 +2,7 @@
 
 /// Part of a phase's screen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
+pub enum ScreenPart {
     /// Instructions, inputs and tables.
     #[default]
     Panel,
@@ -11,7 +11,7 @@ pub enum Part {
     Plots,
 }
 
-impl Part {
+impl ScreenPart {
     pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
 
     #[must_use]

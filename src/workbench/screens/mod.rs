@@ -20,7 +20,7 @@ pub mod which_sensor;
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::model::command::Outbox;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, next_step};
 use crate::theme::GRID;
@@ -29,7 +29,7 @@ use crate::theme::GRID;
 #[derive(Debug, Default)]
 pub struct PanelStates {
     /// Part shown in a small window.
-    pub part: Part,
+    pub part: ScreenPart,
     pub start: start::PanelState,
     pub measuring: measuring::PanelState,
     pub adjustment: adjustment::PanelState,

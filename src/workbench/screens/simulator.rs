@@ -10,7 +10,9 @@ use crate::model::comparison::SimulatorComparison;
 use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Cell, Column, Verdict, choice, empty, heading, muted, page, table, verdict};
+use crate::widgets::{
+    Cell, TableColumn, Verdict, choice, empty, heading, muted, page, table, verdict,
+};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -93,8 +95,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 
 fn readings(ui: &mut Ui, readings: &[ReplayedReading]) {
     let columns = ReplayedReading::HEADINGS.map(|title| match title {
-        "Reading" | "Unit" => Column::words(title),
-        _ => Column::number(title, ""),
+        "Reading" | "Unit" => TableColumn::words(title),
+        _ => TableColumn::number(title, ""),
     });
     let rows = readings
         .iter()

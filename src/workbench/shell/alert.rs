@@ -3,7 +3,7 @@
 use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Stroke, Ui, Vec2};
 use egui_material_icons::icons;
 
-use super::State;
+use super::AppState;
 use crate::model::command::{FileCommand, ViewCommand};
 use crate::theme::{self, GRID};
 
@@ -11,7 +11,7 @@ use crate::theme::{self, GRID};
 const WIDTH: f32 = 560.0;
 
 /// Draws the alert, if any, as an overlay, so that nothing moves under the pointer.
-pub fn show(ui: &Ui, state: &mut State) {
+pub fn show(ui: &Ui, state: &mut AppState) {
     let Some(alert) = state.model.messages.alert() else {
         return;
     };

@@ -2,7 +2,7 @@
 
 use egui::{RichText, TextEdit, Ui};
 
-use super::{State, report};
+use super::{AppState, report};
 use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, HypothesisCommand, RobotCommand, WriteDraft};
 use crate::screens::adjustment::{identify_without, lines};
@@ -11,7 +11,7 @@ use crate::widgets::{Verdict, entered, heading, modal, muted, primary, verdict};
 use tautline_workflow::wording::count;
 
 /// Draws the open dialog, if any.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     // The save dialog is drawn above this one.
     if state.model.dialogs.save.is_none() {
         leaving(ui, state);
@@ -27,8 +27,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 }
 
 /// Question about unsaved changes and about disconnecting an armed robot.
-fn leaving(ui: &mut Ui, state: &mut State) {
-    let State { model, outbox, .. } = state;
+fn leaving(ui: &mut Ui, state: &mut AppState) {
+    let AppState { model, outbox, .. } = state;
     let Some(draft) = &model.dialogs.leaving else {
         return;
     };
@@ -103,7 +103,7 @@ fn choice_of<A: Copy>(ui: &mut Ui, answers: &[(&str, A)]) -> Option<A> {
 }
 
 /// Question about a session that is open in another window.
-fn elsewhere(ui: &mut Ui, state: &mut State) {
+fn elsewhere(ui: &mut Ui, state: &mut AppState) {
     let Some((opening, since)) = &state.model.dialogs.elsewhere else {
         return;
     };
@@ -127,8 +127,8 @@ fn elsewhere(ui: &mut Ui, state: &mut State) {
 }
 
 /// Question about the unsaved text of a hypothesis.
-fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
-    let State { model, outbox, .. } = state;
+fn unsaved_hypothesis(ui: &mut Ui, state: &mut AppState) {
+    let AppState { model, outbox, .. } = state;
     let Some(draft) = model
         .hypothesis
         .draft
@@ -165,7 +165,7 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
 }
 
 /// Question before values are written, with the name of the operator.
-fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
+fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
     let review = &draft.review;
     let open = state.model.open.as_ref();
     let cables = open.map_or(&[][..], |open| &open.session().robot.cables);

@@ -2,13 +2,13 @@
 
 use egui::{Id, Key, Popup, Ui};
 
-use super::State;
+use super::AppState;
 use crate::model::Selection;
 use crate::model::command::ViewCommand;
 
 /// Leaves the inspector or clears the selection, unless a menu or a text field uses the key. Called before anything is
 /// drawn, because these close in the same frame.
-pub(super) fn show(ui: &Ui, state: &mut State) {
+pub(super) fn show(ui: &Ui, state: &mut AppState) {
     let typed = ui.data(|data| data.get_temp(typing())).unwrap_or(false);
     let is_used = typed || Popup::is_any_open(ui.ctx());
     let model = &state.model;

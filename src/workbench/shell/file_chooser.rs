@@ -2,12 +2,12 @@
 
 use egui::{Context, Id, LayerId, Order, Role, Ui};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::file_choice::WINDOW;
 use crate::widgets::backdrop;
 
 /// Draws the file chooser and returns whether it is open. It replaces the dialog that asked for the file.
-pub fn show(ui: &Ui, state: &mut State) -> bool {
+pub fn show(ui: &Ui, state: &mut AppState) -> bool {
     let Some(mut chooser) = state.model.dialogs.chooser.take() else {
         return false;
     };

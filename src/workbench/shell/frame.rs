@@ -5,10 +5,10 @@ use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
 use super::{
-    State, alert, dialogs, escape, file_chooser, log, menu, palette, rail, save, status, top,
+    AppState, alert, dialogs, escape, file_chooser, log, menu, palette, rail, save, status, top,
 };
 use crate::model::command::ViewCommand;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::screens;
 use crate::theme::{self, GRID};
@@ -27,7 +27,7 @@ const PANEL_RANGE: Rangef = Rangef {
     max: 520.0,
 };
 
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     // Behind a dialog no key works except Stop, which has been handled.
     let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
     let of_dialog = ui.input_mut(|input| is_behind.then(|| std::mem::take(&mut input.events)));
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         centre.show(ui, |ui| ui.push_id(visit, |ui| whole(ui, state)));
     }
     log::show(ui, state);
-    let State {
+    let AppState {
         model,
         outbox,
         views,
@@ -87,8 +87,8 @@ fn focus_ring(ui: &Ui) {
 }
 
 /// Screen without parts.
-fn whole(ui: &mut Ui, state: &mut State) {
-    let State {
+fn whole(ui: &mut Ui, state: &mut AppState) {
+    let AppState {
         model,
         outbox,
         panels,
@@ -118,9 +118,9 @@ fn whole(ui: &mut Ui, state: &mut State) {
 }
 
 /// Command palette and dialogs.
-fn modals(ui: &mut Ui, state: &mut State) {
+fn modals(ui: &mut Ui, state: &mut AppState) {
     palette::show(ui, state);
-    let State {
+    let AppState {
         model,
         outbox,
         panels,
@@ -132,7 +132,7 @@ fn modals(ui: &mut Ui, state: &mut State) {
 }
 
 /// Rail, 3D view, plots and phase panel side by side.
-fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
+fn phase(ui: &mut Ui, state: &mut AppState, current: Phase) {
     let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
     let layout = state.model.preferences.layout;
@@ -176,21 +176,21 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     robot(ui, state);
 }
 
-fn rail_of(ui: &mut Ui, state: &mut State, is_narrow: bool) {
+fn rail_of(ui: &mut Ui, state: &mut AppState, is_narrow: bool) {
     let rail = Panel::left("rail").frame(side()).resizable(false);
     rail.exact_size(if is_narrow { rail::NARROW } else { 208.0 })
         .show(ui, |ui| rail::show(ui, state, is_narrow));
 }
 
 /// Draws one part only: in a small window, or if the part is maximised.
-fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
+fn one_part(ui: &mut Ui, state: &mut AppState, current: Phase) {
     let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
     let maximised = state.model.maximised;
     let mut part = maximised.unwrap_or(state.panels.part);
     Panel::top("parts").frame(side).show(ui, |ui| {
         ui.horizontal(|ui| {
-            for one in Part::ALL {
+            for one in ScreenPart::ALL {
                 ui.selectable_value(&mut part, one, one.title());
             }
             if maximised.is_none() {
@@ -212,9 +212,9 @@ fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
     CentralPanel::no_frame()
         .frame(side)
         .show(ui, |ui| match part {
-            Part::Panel => panel_of(ui, state, current),
-            Part::Robot => robot(ui, state),
-            Part::Plots => plots(ui, state),
+            ScreenPart::Panel => panel_of(ui, state, current),
+            ScreenPart::Robot => robot(ui, state),
+            ScreenPart::Plots => plots(ui, state),
         });
 }
 
@@ -223,7 +223,7 @@ fn side() -> Frame {
     Frame::new().inner_margin(Margin::same(3 * GRID as i8))
 }
 
-fn panel_of(ui: &mut Ui, state: &mut State, current: Phase) {
+fn panel_of(ui: &mut Ui, state: &mut AppState, current: Phase) {
     screens::phase(
         ui,
         &state.model,
@@ -233,11 +233,11 @@ fn panel_of(ui: &mut Ui, state: &mut State, current: Phase) {
     );
 }
 
-fn robot(ui: &mut Ui, state: &mut State) {
+fn robot(ui: &mut Ui, state: &mut AppState) {
     views::robot(ui, &state.model, &mut state.views, &mut state.outbox);
 }
 
-fn plots(ui: &mut Ui, state: &mut State) {
+fn plots(ui: &mut Ui, state: &mut AppState) {
     let view = (&mut state.views.plots, &mut state.views.hovered);
     views::plots::show(ui, &state.model, view, &mut state.outbox);
 }

@@ -22,7 +22,7 @@ mod stop;
 mod top;
 
 pub use no_window::no_window;
-pub use state::State;
+pub use state::AppState;
 
 use crate::model::command::{CompareCommand, FileCommand, RecordCommand};
 use crate::model::link::LinkRequest;
@@ -31,7 +31,7 @@ use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
 
 pub struct App {
-    pub state: State,
+    pub state: AppState,
 }
 
 impl App {
@@ -43,7 +43,7 @@ impl App {
         if let Some(path) = &options.observed {
             observed::observe(&creation.egui_ctx, path.clone());
         }
-        let mut state = State::new(&creation.egui_ctx, options);
+        let mut state = AppState::new(&creation.egui_ctx, options);
         commands::restore(&state.model);
         commands::find_unsaved(&mut state.model);
         if let Some(path) = state.model.options.path.clone() {
@@ -56,7 +56,7 @@ impl App {
 impl App {
     /// Asks about unsaved changes and an armed robot before the window is closed.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
-        let State { model, outbox, .. } = &mut self.state;
+        let AppState { model, outbox, .. } = &mut self.state;
         let is_asked = model.is_unsaved() || model.would_disarm() || model.hypothesis.is_unsaved();
         let has_panicked = model.caught_panic.is_some();
         if is_asked && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
@@ -67,7 +67,7 @@ impl App {
 
     /// Draws a frame with `show`, then carries out its commands. After a panic the session remains unchanged and saved
     /// by the autosave; the next frame reports it.
-    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
+    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut AppState)) {
         let state = &mut self.state;
         // First, whatever happens in the frame: a robot may also move during an internal error.
         stop::show(ui, &mut state.model);
@@ -101,7 +101,7 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let State { model, outbox, .. } = &mut self.state;
+        let AppState { model, outbox, .. } = &mut self.state;
         for outcome in model.tasks.outcomes() {
             let received = caught_panic::guard(|| commands::receive(model, outcome));
             model.caught_panic = received.err().or(model.caught_panic.take());

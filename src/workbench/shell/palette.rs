@@ -2,14 +2,14 @@
 
 use egui::{Key, ScrollArea, TextEdit, Ui};
 
-use super::menu::{self, Item};
-use super::state::State;
+use super::menu::{self, MenuItem};
+use super::state::AppState;
 use super::top;
 use crate::model::command::ViewCommand;
 use crate::widgets::{modal, muted};
 
 /// Draws the palette while it is open.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     let Some(mut text) = state.model.dialogs.palette.take() else {
         return;
     };
@@ -89,7 +89,7 @@ fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
     }
 }
 
-fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
+fn line(ui: &mut Ui, item: &MenuItem, is_marked: bool) -> egui::Response {
     let mut button = egui::Button::selectable(is_marked, item.name())
         .min_size(egui::vec2(ui.available_width(), 24.0));
     if let Some(shortcut) = item.shortcut {

@@ -2,7 +2,7 @@
 
 use egui::{Align, Layout, Rangef, RichText, Sense, Ui, UiBuilder, Vec2};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::ViewCommand;
 use crate::model::phase::{Phase, PhaseStatus, Screen};
 use crate::model::phase_status;
@@ -20,7 +20,7 @@ const ENTRY: Rangef = Rangef {
 const BELOW: f32 = 13.0 * GRID;
 
 /// Draws the rail; with icons only if `narrow`.
-pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
+pub fn show(ui: &mut Ui, state: &mut AppState, narrow: bool) {
     ui.spacing_mut().item_spacing.y = GRID;
     let count = Phase::ALL.len() as f32;
     let height = ENTRY.clamp((ui.available_height() + GRID) / count - GRID);
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
         .show(ui, |ui| entries(ui, state, (narrow, height)));
 }
 
-fn entries(ui: &mut Ui, state: &mut State, look: (bool, f32)) {
+fn entries(ui: &mut Ui, state: &mut AppState, look: (bool, f32)) {
     for phase in Phase::ALL {
         let Some(open) = &state.model.open else {
             return;

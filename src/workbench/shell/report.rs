@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use egui::{Grid, TextEdit, Ui};
 
-use super::{State, certificate, save};
+use super::{AppState, certificate, save};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, Outbox, ReportCommand, ReportDraft};
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
@@ -15,7 +15,7 @@ use crate::widgets::{
 use tautline_workflow::report::{Part, ReportChoice};
 
 /// Draws the report dialog.
-pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
+pub fn show(ui: &mut Ui, state: &mut AppState, mut draft: ReportDraft) {
     let format = draft.format;
     let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
         heading(ui, &format!("Save the report as {}", format.title()));

@@ -5,7 +5,7 @@ use std::path::Path;
 use egui::{Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::OpenSession;
 use crate::model::command::FileCommand;
 use crate::model::dialogs::SaveContent;
@@ -14,7 +14,7 @@ use crate::theme::GRID;
 use crate::widgets::{Verdict, entered, heading, icon_button, modal, muted, primary, verdict};
 
 /// Draws the save dialog while it is open.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     let Some(mut draft) = state.model.dialogs.save.take() else {
         return;
     };

@@ -7,7 +7,7 @@ use crate::views::ViewStates;
 use crate::views::plots::Panes;
 use crate::views::report_picture::report_picture;
 
-pub struct State {
+pub struct AppState {
     pub model: Model,
     /// Commands given in this frame.
     pub outbox: Outbox,
@@ -15,7 +15,7 @@ pub struct State {
     pub views: ViewStates,
 }
 
-impl State {
+impl AppState {
     /// State at the start of the program.
     #[must_use]
     pub fn new(context: &egui::Context, options: Options) -> Self {

@@ -4,7 +4,7 @@ use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_link::{Activity, LinkProtection};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::{RobotCommand, Setup, ViewCommand};
 use crate::model::messages::Severity;
 use crate::screens::measuring::controller::lost_words;
@@ -12,7 +12,7 @@ use crate::theme;
 use crate::widgets::{icon_only, muted};
 use tautline_workflow::controllers::Kind;
 
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     ui.horizontal(|ui| {
         last_message(ui, state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn last_message(ui: &mut Ui, state: &mut State) {
+fn last_message(ui: &mut Ui, state: &mut AppState) {
     if icon_only(ui, icons::ICON_LIST, "Show the log", true).clicked() {
         state.outbox.send(ViewCommand::Log(true));
     }
@@ -47,7 +47,7 @@ fn last_message(ui: &mut Ui, state: &mut State) {
 }
 
 /// State of the controller in words.
-fn controller(ui: &mut Ui, state: &mut State) {
+fn controller(ui: &mut Ui, state: &mut AppState) {
     let live = state.model.link.live();
     let palette = theme::of(ui);
     if let Some(lost) = &live.lost {
@@ -81,7 +81,7 @@ fn controller(ui: &mut Ui, state: &mut State) {
 }
 
 /// Status of the controller. Without a connection it is a button that opens the connection dialog.
-fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) {
+fn chip(ui: &mut Ui, state: &mut AppState, (words, colour): (&str, egui::Color32)) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
     if state.model.link.connected.is_some() {
         ui.label(RichText::new(words).small().color(colour));
@@ -102,7 +102,7 @@ fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) 
 }
 
 /// Icon for the protection of the connection's messages.
-fn protection(ui: &mut Ui, state: &State) {
+fn protection(ui: &mut Ui, state: &AppState) {
     let palette = theme::of(ui);
     let lock = |ui: &mut Ui, icon: egui_material_icons::MaterialIcon, colour, text: &str| {
         let lock = icon.rich_text().size(16.0).color(colour);
@@ -121,7 +121,7 @@ fn protection(ui: &mut Ui, state: &State) {
     }
 }
 
-fn work(ui: &mut Ui, state: &mut State) {
+fn work(ui: &mut Ui, state: &mut AppState) {
     let Some(task) = state.model.tasks.running().first() else {
         return;
     };

@@ -114,7 +114,11 @@ fn a_panic_in_a_frame_is_told_and_costs_nothing() {
     assert_eq!(names, ["after"], "the session is offered at the next start");
 }
 
-fn robot(harness: &mut Harness<'_, Trapped>, command: RobotCommand, reached: fn(&State) -> bool) {
+fn robot(
+    harness: &mut Harness<'_, Trapped>,
+    command: RobotCommand,
+    reached: fn(&AppState) -> bool,
+) {
     harness.state_mut().app.state.outbox.send(command);
     for _ in 0..6000 {
         harness.step();

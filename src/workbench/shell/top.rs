@@ -3,8 +3,8 @@
 use egui::{Align, Button, Label, Layout, MenuBar, RichText, Ui};
 use egui_material_icons::icons;
 
-use super::menu::{Item, Menu};
-use super::state::State;
+use super::menu::{Menu, MenuItem};
+use super::state::AppState;
 use super::stop;
 use crate::model::command::{Command, ViewCommand};
 use crate::theme;
@@ -18,8 +18,8 @@ const UNSAVED: f32 = 72.0;
 const LINE: f32 = 32.0;
 
 /// Sends the commands whose shortcuts were pressed.
-pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
-    let mut items: Vec<&Item> = items.iter().collect();
+pub fn shortcuts(ui: &Ui, state: &mut AppState, items: &[MenuItem]) {
+    let mut items: Vec<&MenuItem> = items.iter().collect();
     // A shortcut without Shift also matches with Shift, so those with Shift come first.
     items.sort_by_key(|item| item.shortcut.is_none_or(|keys| !keys.modifiers.shift));
     for item in items {
@@ -38,13 +38,13 @@ pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
 }
 
 /// Sends commands in order.
-pub fn send(state: &mut State, commands: &[Command]) {
+pub fn send(state: &mut AppState, commands: &[Command]) {
     for command in commands {
         state.outbox.send(command.clone());
     }
 }
 
-pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
+pub fn show(ui: &mut Ui, state: &mut AppState, items: &[MenuItem]) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             ui.menu_button(menu.title(), |ui| {
@@ -63,8 +63,8 @@ pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
 }
 
 /// Items of a menu; a long menu scrolls in a low window.
-fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
-    let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
+fn lines(ui: &mut Ui, state: &mut AppState, (menu, items): (Menu, &[MenuItem])) {
+    let own: Vec<&MenuItem> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;
     let mut add = |ui: &mut Ui| {
         for part in own.chunk_by(|a, b| a.group.is_some() && a.group == b.group) {
@@ -89,7 +89,7 @@ fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
     }
 }
 
-fn line(ui: &mut Ui, state: &mut State, item: &Item) {
+fn line(ui: &mut Ui, state: &mut AppState, item: &MenuItem) {
     let mut button = Button::new(&item.title);
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
@@ -100,7 +100,7 @@ fn line(ui: &mut Ui, state: &mut State, item: &Item) {
     }
 }
 
-fn title(ui: &mut Ui, state: &State) {
+fn title(ui: &mut Ui, state: &AppState) {
     let Some(open) = &state.model.open else {
         return;
     };
@@ -119,7 +119,7 @@ fn title(ui: &mut Ui, state: &State) {
     }
 }
 
-fn right(ui: &mut Ui, state: &mut State) {
+fn right(ui: &mut Ui, state: &mut AppState) {
     if state.model.open.is_some() {
         ui.allocate_space(stop::SIZE);
     }

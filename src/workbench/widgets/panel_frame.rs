@@ -2,7 +2,7 @@
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::theme::{self, GRID};
 
 /// Fill and margin of a panel.
@@ -15,9 +15,9 @@ pub fn panel_frame(ui: &Ui) -> Frame {
 /// Tabs with the titles of the parts, and below them the chosen part, drawn by `draw`.
 pub fn one_part(
     ui: &mut Ui,
-    chosen: &mut Part,
-    parts: [(Part, &str); 3],
-    draw: impl FnOnce(&mut Ui, Part),
+    chosen: &mut ScreenPart,
+    parts: [(ScreenPart, &str); 3],
+    draw: impl FnOnce(&mut Ui, ScreenPart),
 ) {
     let frame = panel_frame(ui);
     Panel::top("tabs of parts").frame(frame).show(ui, |ui| {

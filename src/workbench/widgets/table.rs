@@ -8,13 +8,13 @@ use egui_material_icons::MaterialIcon;
 use crate::theme::{self, GRID};
 
 #[derive(Debug, Clone, Copy)]
-pub struct Column<'a> {
+pub struct TableColumn<'a> {
     title: &'a str,
     unit: &'a str,
     numeric: bool,
 }
 
-impl<'a> Column<'a> {
+impl<'a> TableColumn<'a> {
     #[must_use]
     pub const fn words(title: &'a str) -> Self {
         Self {
@@ -102,7 +102,7 @@ const MARGIN: f32 = GRID;
 /// Draws a table; each row has a cell for each column; the row `selected` is highlighted.
 pub fn table(
     ui: &mut Ui,
-    columns: &[Column<'_>],
+    columns: &[TableColumn<'_>],
     rows: &[Vec<Cell>],
     selected: Option<usize>,
 ) -> Touched {
@@ -239,7 +239,7 @@ fn small(ui: &Ui, text: &str) -> Arc<Galley> {
 
 fn body(
     ui: &mut Ui,
-    columns: &[Column<'_>],
+    columns: &[TableColumn<'_>],
     heads: &[[Arc<Galley>; 2]],
     (rows, galleys): (&[Vec<Cell>], &[Vec<Galleys>]),
     places: &Places,
@@ -281,7 +281,7 @@ fn body(
     touched
 }
 
-fn header(ui: &mut Ui, columns: &[Column<'_>], heads: &[[Arc<Galley>; 2]], places: &Places) {
+fn header(ui: &mut Ui, columns: &[TableColumn<'_>], heads: &[[Arc<Galley>; 2]], places: &Places) {
     let lines = if columns.iter().any(|column| !column.unit.is_empty()) {
         2.0
     } else {

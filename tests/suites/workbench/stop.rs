@@ -15,7 +15,7 @@ use tautline_workbench::model::command::{
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::phase::{Phase, Screen};
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workbench::shell::menu::items;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::report::ReportFormat;
@@ -58,7 +58,7 @@ fn moving(bench: &mut Bench) {
     });
 }
 
-fn ended(state: &State) -> bool {
+fn ended(state: &AppState) -> bool {
     !state.model.link.is_measuring()
 }
 
@@ -233,7 +233,7 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
 }
 
 /// What keys could change.
-fn behind(state: &State) -> String {
+fn behind(state: &AppState) -> String {
     let model = &state.model;
     let open = model.open.as_ref().expect("a session");
     let dialogs = &model.dialogs;

@@ -7,7 +7,7 @@ use tautline_session::Plots;
 
 use crate::model::Selection;
 use crate::model::manual::Page;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::Screen;
 
 /// Changes the view; no data.
@@ -30,7 +30,7 @@ pub enum ViewCommand {
     /// Dark, light or system theme.
     Theme(ThemePreference),
     /// Maximises one part of the screen; `None` shows all parts.
-    Maximise(Option<Part>),
+    Maximise(Option<ScreenPart>),
     /// Zoom factor of the window.
     Scale(f32),
     Palette(bool),

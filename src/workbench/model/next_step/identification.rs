@@ -16,8 +16,8 @@ use tautline_workflow::precalibration::Table;
 use tautline_workflow::readiness::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
 use tautline_workflow::wording::{count, sentence};
 
-/// Action with a sentence about the one after it.
-type Step = (Action, &'static str);
+/// Action that remedies a problem, with a sentence about the one after it.
+type Remedy = (Action, &'static str);
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let status = status(model, open, Phase::Identification);
@@ -101,7 +101,7 @@ pub fn checked<'m>(model: &'m Model, open: &'m OpenSession) -> Vec<(&'m CheckIte
 }
 
 /// Remedy of a failed check: a wrong sign, unit or channel is corrected in the recipe, if any, otherwise by the doctor.
-fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
+fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Remedy {
     match item.name.as_str() {
         COMPLETE | PLAUSIBLE if can_import_again(open.session()) => {
             let back = Action::new("Back to import", RecordingCommand::Correct);
@@ -119,7 +119,7 @@ fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
 #[must_use]
 pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Sign> {
     let mut signs = Vec::new();
-    let mut add = |text: String, (action, then): Step| {
+    let mut add = |text: String, (action, then): Remedy| {
         signs.push(Sign::new(text, Some(action), then));
     };
     if !fit.solution.converged() {
@@ -144,7 +144,7 @@ pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Si
 }
 
 /// Remedy of a model that does not explain the readings.
-fn of_model(model: &Model, open: &OpenSession) -> Step {
+fn of_model(model: &Model, open: &OpenSession) -> Remedy {
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
     let Some(diagnosed) = diagnosed else {
         return diagnose();
@@ -163,7 +163,7 @@ fn of_model(model: &Model, open: &OpenSession) -> Step {
 
 /// Next step for findings: permanent causes are added to the model, others are repaired and measured again; then poses
 /// separate several causes, and patterns describe errors without a cause.
-fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Step> {
+fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Remedy> {
     let open = model.open.as_ref()?;
     let has_name = |finding: &&Finding| finding.verdict() != Verdict::Unknown && !finding.is_list();
     let named: Vec<&Finding> = undecided.iter().copied().filter(has_name).collect();
@@ -219,7 +219,7 @@ fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> 
 }
 
 /// Next step for an error without a known cause: look for patterns, then add the likeliest one to the model.
-fn pattern(model: &Model, open: &OpenSession) -> Step {
+fn pattern(model: &Model, open: &OpenSession) -> Remedy {
     let found = model.identification.patterns.as_ref();
     match found.filter(|(of, _)| *of == open.inputs()) {
         None => (
@@ -243,13 +243,13 @@ fn pattern(model: &Model, open: &OpenSession) -> Step {
     }
 }
 
-fn diagnose() -> Step {
+fn diagnose() -> Remedy {
     let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
     (action, "Then: add the causes to the model.")
 }
 
 /// New series of the same poses, without the repaired effects.
-fn measure_again(repaired: Vec<EffectSetting>) -> Step {
+fn measure_again(repaired: Vec<EffectSetting>) -> Remedy {
     let title = match repaired.len() {
         0 => "Measure again",
         _ => "Repaired: measure again",
@@ -259,7 +259,7 @@ fn measure_again(repaired: Vec<EffectSetting>) -> Step {
     (action, then)
 }
 
-fn more_poses() -> Step {
+fn more_poses() -> Remedy {
     let action = plan(USUAL_POSES).in_phase(Phase::Measuring);
     (action, "No cause was found: more poses show more.")
 }

@@ -9,18 +9,18 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, Touched, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, Touched, checkbox, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
 /// Columns. The unit has its own column, because effects have various units.
-const COLUMNS: [Column<'static>; 6] = [
-    Column::words("Parameter"),
-    Column::number("Controller", ""),
-    Column::number("Identified", ""),
-    Column::number("Difference", ""),
-    Column::number("±", ""),
-    Column::words("Unit"),
+const COLUMNS: [TableColumn<'static>; 6] = [
+    TableColumn::words("Parameter"),
+    TableColumn::number("Controller", ""),
+    TableColumn::number("Identified", ""),
+    TableColumn::number("Difference", ""),
+    TableColumn::number("±", ""),
+    TableColumn::words("Unit"),
 ];
 
 /// Draws the table; unchanged parameters only on request.

@@ -12,7 +12,7 @@ use crate::model::{Model, OpenSession};
 use crate::screens::measuring::motion;
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
-use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+use crate::widgets::{Cell, TableColumn, Verdict, icon_button, muted, section, table, verdict};
 use tautline_workflow::accuracy::{
     Figure, before_and_after, plot_of_errors, predicted_m, result_in_words,
 };
@@ -167,10 +167,10 @@ fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
 
 fn show_figures(ui: &mut Ui, lines: &[Figure]) {
     let columns = [
-        Column::words("Characteristic"),
-        Column::number("Before", "mm"),
-        Column::number("After", "mm"),
-        Column::number("Improvement", "%"),
+        TableColumn::words("Characteristic"),
+        TableColumn::number("Before", "mm"),
+        TableColumn::number("After", "mm"),
+        TableColumn::number("Improvement", "%"),
     ];
     let palette = theme::of(ui);
     let millimetres =

@@ -10,7 +10,7 @@ use egui::{CentralPanel, Panel, ScrollArea, Spinner, Ui};
 
 use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
 use crate::model::comparison::{Compared, Source};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
 use crate::views::ViewStates;
@@ -28,7 +28,7 @@ pub struct PanelState {
     /// Available sample sessions, looked up once.
     samples: Option<Vec<Sample>>,
     /// Part shown in a small window.
-    part: Part,
+    part: ScreenPart,
     /// Comparison drawn last.
     drawn: Option<Drawn>,
 }
@@ -124,18 +124,18 @@ fn compact(
     ui: &mut Ui,
     model: &Model,
     drawn: &Drawn,
-    (part, views): (&mut Part, &mut ViewStates),
+    (part, views): (&mut ScreenPart, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
     let parts = [
-        (Part::Panel, "Differences"),
-        (Part::Robot, "3D view"),
-        (Part::Plots, "Residuals"),
+        (ScreenPart::Panel, "Differences"),
+        (ScreenPart::Robot, "3D view"),
+        (ScreenPart::Plots, "Residuals"),
     ];
     one_part(ui, part, parts, |ui, part| match part {
-        Part::Panel => differences(ui, model, drawn, views, outbox),
-        Part::Robot => robots(ui, model, drawn, views, outbox),
-        Part::Plots => residuals(ui, model, drawn, outbox),
+        ScreenPart::Panel => differences(ui, model, drawn, views, outbox),
+        ScreenPart::Robot => robots(ui, model, drawn, views, outbox),
+        ScreenPart::Plots => residuals(ui, model, drawn, outbox),
     });
 }
 

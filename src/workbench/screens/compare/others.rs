@@ -7,7 +7,7 @@ use tautline_core::effect::find;
 
 use crate::model::comparison::Compared;
 use crate::theme;
-use crate::widgets::{Cell, Column, muted, section, table};
+use crate::widgets::{Cell, TableColumn, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
@@ -38,12 +38,12 @@ fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
     }
 }
 
-const SIDE_BY_SIDE: [Column<'_>; 5] = [
-    Column::words("Quantity"),
-    Column::number("A", ""),
-    Column::number("B", ""),
-    Column::number("Difference ± standard deviation", ""),
-    Column::words("Verdict"),
+const SIDE_BY_SIDE: [TableColumn<'_>; 5] = [
+    TableColumn::words("Quantity"),
+    TableColumn::number("A", ""),
+    TableColumn::number("B", ""),
+    TableColumn::number("Difference ± standard deviation", ""),
+    TableColumn::words("Verdict"),
 ];
 
 /// Quantity in both sessions.
@@ -103,9 +103,9 @@ fn plane(ui: &mut Ui, compared: &Comparison) {
     table(ui, &SIDE_BY_SIDE, &[row], None);
 }
 
-const CHANGES: [Column<'_>; 2] = [
-    Column::words("Coordinate"),
-    Column::number("B less A ± standard deviation", ""),
+const CHANGES: [TableColumn<'_>; 2] = [
+    TableColumn::words("Coordinate"),
+    TableColumn::number("B less A ± standard deviation", ""),
 ];
 
 fn motion(ui: &mut Ui, compared: &Comparison) {
@@ -171,10 +171,10 @@ fn home(ui: &mut Ui, compared: &Comparison) {
 fn fits(ui: &mut Ui, compared: &Compared) {
     section(ui, "How well each session is explained");
     let columns = [
-        Column::words("Session"),
-        Column::number("Poses", ""),
-        Column::number("Residuals over noise", ""),
-        Column::words("Verdict"),
+        TableColumn::words("Session"),
+        TableColumn::number("Poses", ""),
+        TableColumn::number("Residuals over noise", ""),
+        TableColumn::words("Verdict"),
     ];
     let named = compared.runs.iter().zip(["A", "B"]);
     let rows = named.map(|(run, name)| {

@@ -8,7 +8,7 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, Selection};
 use crate::screens::bench_panel::decimals_for;
 use crate::theme;
-use crate::widgets::{Cell, Column, muted, section, table};
+use crate::widgets::{Cell, TableColumn, muted, section, table};
 use tautline_workflow::comparison::common_motion;
 use tautline_workflow::wording::units::mm;
 
@@ -21,13 +21,13 @@ pub fn show(
 ) -> Option<usize> {
     section(ui, "Pulleys, B less A");
     let columns = [
-        Column::words("Cable"),
-        Column::number("x", "mm"),
-        Column::number("y", "mm"),
-        Column::number("z", "mm"),
-        Column::number("Distance ±", "mm"),
-        Column::words("Verdict"),
-        Column::words("Chance"),
+        TableColumn::words("Cable"),
+        TableColumn::number("x", "mm"),
+        TableColumn::number("y", "mm"),
+        TableColumn::number("z", "mm"),
+        TableColumn::number("Distance ±", "mm"),
+        TableColumn::words("Verdict"),
+        TableColumn::words("Chance"),
     ];
     let decimals = decimals(compared);
     let pulleys = compared.pulleys.iter().enumerate();

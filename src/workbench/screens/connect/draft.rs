@@ -12,7 +12,7 @@ use tautline_session::{
 
 use super::laser::LaserDraft;
 use super::names::{Names, default_names};
-use super::problems::{Field, Part, Problems};
+use super::problems::{DialogTab, FieldId, Problems};
 use crate::model::command::{Setup, UserFile};
 use crate::widgets::parse_number;
 
@@ -63,7 +63,7 @@ impl SignIn {
 pub struct Draft {
     /// Id of its session.
     pub session_id: u64,
-    pub part: Part,
+    pub part: DialogTab,
     pub kind: ControllerKind,
     pub folder: String,
     pub speed: String,
@@ -120,7 +120,7 @@ impl Draft {
         let recording = connection.recording.as_ref();
         Self {
             session_id,
-            part: Part::default(),
+            part: DialogTab::default(),
             kind: connection.controller,
             folder: recording.map_or_else(String::new, |place| place.folder.clone()),
             speed: number(recording.map(|place| place.speed)),
@@ -208,12 +208,12 @@ impl Draft {
 
     fn recording(&self, problems: &mut Problems) -> Option<RecordingPlace> {
         let speed = parse_number(&self.speed);
-        let speed = problems.take(Field::Speed, speed)?;
+        let speed = problems.take(FieldId::Speed, speed)?;
         let place = RecordingPlace {
             folder: self.folder.trim().to_owned(),
             speed,
         };
-        let fields = [("/folder", Field::Folder), ("/speed", Field::Speed)];
+        let fields = [("/folder", FieldId::Folder), ("/speed", FieldId::Speed)];
         checked(place.check(), &fields, problems)?;
         Some(place)
     }
@@ -223,12 +223,12 @@ impl Draft {
         let host = self.host.trim().to_owned();
         if host.is_empty() {
             let text = "found nothing, expected the name or address of the controller, such as 192.168.0.5";
-            problems.add(Field::Host, text);
+            problems.add(FieldId::Host, text);
         }
-        let port = problems.take(Field::Port, port(&self.port));
-        let net_id = problems.take(Field::NetId, net_id(&self.net_id));
-        let ams_port = problems.take(Field::AmsPort, self::port(&self.ams_port));
-        let timeout_s = problems.take(Field::Timeout, parse_number(&self.timeout));
+        let port = problems.take(FieldId::Port, port(&self.port));
+        let net_id = problems.take(FieldId::NetId, net_id(&self.net_id));
+        let ams_port = problems.take(FieldId::AmsPort, self::port(&self.ams_port));
+        let timeout_s = problems.take(FieldId::Timeout, parse_number(&self.timeout));
         let place = AdsPlace {
             host,
             port: port?,
@@ -236,8 +236,8 @@ impl Draft {
             ams_port: ams_port?,
             timeout_s: timeout_s?,
         };
-        let fields = [("/host", Field::Host), ("/timeout_s", Field::Timeout)];
-        if problems.of(Field::Host).is_none() {
+        let fields = [("/host", FieldId::Host), ("/timeout_s", FieldId::Timeout)];
+        if problems.of(FieldId::Host).is_none() {
             checked(place.check(), &fields, problems)?;
         }
         Some(place)
@@ -278,8 +278,8 @@ impl Draft {
 
     fn opcua(&self, problems: &mut Problems) -> Option<OpcUaPlace> {
         let address = self.url.trim().parse::<OpcUaAddress>();
-        let address = problems.take(Field::Url, address.map_err(|error| error.to_string()));
-        let timeout_s = problems.take(Field::UrlTimeout, parse_number(&self.url_timeout));
+        let address = problems.take(FieldId::Url, address.map_err(|error| error.to_string()));
+        let timeout_s = problems.take(FieldId::UrlTimeout, parse_number(&self.url_timeout));
         let place = address?.place(timeout_s?);
         // A user in the address takes precedence.
         let sign_in = match SignIn::of(&place) {
@@ -301,12 +301,12 @@ impl Draft {
             ..place
         };
         let fields = [
-            ("/host", Field::Url),
-            ("/policy", Field::Policy),
-            ("/user", Field::User),
-            ("/user_certificate/certificate", Field::UserCertificate),
-            ("/user_certificate/key", Field::UserKey),
-            ("/timeout_s", Field::UrlTimeout),
+            ("/host", FieldId::Url),
+            ("/policy", FieldId::Policy),
+            ("/user", FieldId::User),
+            ("/user_certificate/certificate", FieldId::UserCertificate),
+            ("/user_certificate/key", FieldId::UserKey),
+            ("/timeout_s", FieldId::UrlTimeout),
         ];
         checked(place.check(), &fields, problems)?;
         Some(place)
@@ -320,7 +320,7 @@ fn url_of(place: &OpcUaPlace) -> String {
 
 fn checked(
     result: Result<(), FieldError>,
-    fields: &[(&str, Field)],
+    fields: &[(&str, FieldId)],
     problems: &mut Problems,
 ) -> Option<()> {
     let error = match result {
@@ -328,7 +328,7 @@ fn checked(
         Err(error) => error,
     };
     let found = fields.iter().find(|(at, _)| *at == error.pointer);
-    let field = found.map_or(Field::Host, |(_, field)| *field);
+    let field = found.map_or(FieldId::Host, |(_, field)| *field);
     problems.add(field, error.message);
     None
 }
@@ -451,17 +451,22 @@ mod tests {
         let problems = draft
             .settings(&Present::of(&session))
             .expect_err("no folder");
-        assert!(problems.of(Field::Folder).is_some());
+        assert!(problems.of(FieldId::Folder).is_some());
         draft.kind = ControllerKind::Ads;
         draft.net_id = "1.2.3".into();
         draft.port = "0".into();
         draft.timeout = "soon".into();
         let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
-        for field in [Field::Host, Field::Port, Field::NetId, Field::Timeout] {
+        for field in [
+            FieldId::Host,
+            FieldId::Port,
+            FieldId::NetId,
+            FieldId::Timeout,
+        ] {
             let text = problems.of(field).expect("a problem");
             assert!(text.contains("expected"), "{text}");
         }
-        assert_eq!(problems.of(Field::AmsPort), None);
+        assert_eq!(problems.of(FieldId::AmsPort), None);
         draft.host = "plc".into();
         draft.net_id = "1.2.3.4.1.1".into();
         draft.port = "48898".into();
@@ -472,14 +477,14 @@ mod tests {
         draft.kind = ControllerKind::OpcUa;
         draft.url = "plc:4840".into();
         let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
-        let text = problems.of(Field::Url).expect("a problem");
+        let text = problems.of(FieldId::Url).expect("a problem");
         assert!(text.contains("expected opc.tcp://"), "{text}");
         draft.url = "opc.tcp://plc".into();
         for (sign_in, field, expected) in [
-            (SignIn::Name, Field::User, "the name of a user"),
+            (SignIn::Name, FieldId::User, "the name of a user"),
             (
                 SignIn::Certificate,
-                Field::UserCertificate,
+                FieldId::UserCertificate,
                 "the file with the certificate",
             ),
         ] {

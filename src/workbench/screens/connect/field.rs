@@ -3,7 +3,7 @@
 use egui::{RichText, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::problems::{Field, Problems};
+use super::problems::{FieldId, Problems};
 use crate::theme;
 use crate::widgets::{icon_button, muted};
 
@@ -11,7 +11,7 @@ use crate::widgets::{icon_button, muted};
 const WIDTH: f32 = 240.0;
 
 /// Grid row: name, field, and below it the error.
-pub fn line(ui: &mut Ui, problems: &Problems, field: Field, text: &mut String) {
+pub fn line(ui: &mut Ui, problems: &Problems, field: FieldId, text: &mut String) {
     edit(ui, field.names(), text, (problems.of(field), false), |_| ());
 }
 
@@ -19,7 +19,7 @@ pub fn line(ui: &mut Ui, problems: &Problems, field: Field, text: &mut String) {
 pub fn file(
     ui: &mut Ui,
     problems: &Problems,
-    (field, choose): (Field, &str),
+    (field, choose): (FieldId, &str),
     text: &mut String,
 ) -> bool {
     edit(ui, field.names(), text, (problems.of(field), false), |ui| {

@@ -19,7 +19,7 @@ use tautline_workflow::wording::sentence;
 use self::draft::{Present, SignIn};
 use self::field::{file, line, secret};
 use self::names::default_names;
-use self::problems::{Field, Part, Problems};
+use self::problems::{DialogTab, FieldId, Problems};
 use self::symbols::SymbolRows;
 use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup, UserFile};
 use crate::model::messages::full_sentence;
@@ -119,13 +119,13 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
 
 fn tabs(ui: &mut Ui, draft: &mut Draft) {
     let has_symbols = matches!(draft.kind, ControllerKind::Ads | ControllerKind::OpcUa);
-    if !has_symbols && draft.part == Part::Symbols {
-        draft.part = Part::Controller;
+    if !has_symbols && draft.part == DialogTab::Symbols {
+        draft.part = DialogTab::Controller;
     }
-    let tabs = [Part::Controller, Part::Symbols, Part::Laser].map(|part| TabOf {
+    let tabs = [DialogTab::Controller, DialogTab::Symbols, DialogTab::Laser].map(|part| TabOf {
         value: part,
         title: part.title(),
-        missing: (part == Part::Symbols && !has_symbols)
+        missing: (part == DialogTab::Symbols && !has_symbols)
             .then_some("Only a real controller has symbols"),
     });
     tab_row(ui, "More", &tabs, &mut draft.part);
@@ -140,9 +140,9 @@ fn part(
     outbox: &mut Outbox,
 ) {
     match draft.part {
-        Part::Controller => controller(ui, draft, (present, problems), outbox),
-        Part::Symbols => symbols(ui, model, draft, (present, problems), outbox),
-        Part::Laser => {
+        DialogTab::Controller => controller(ui, draft, (present, problems), outbox),
+        DialogTab::Symbols => symbols(ui, model, draft, (present, problems), outbox),
+        DialogTab::Laser => {
             let busy = model.link.is_connected() || model.link.connecting;
             draft.laser.show(ui, problems, busy);
         }
@@ -182,8 +182,8 @@ fn controller(
                         and nothing can be written to it.";
             wrapped(ui, text);
             grid("recording").show(ui, |ui| {
-                line(ui, problems, Field::Folder, &mut draft.folder);
-                line(ui, problems, Field::Speed, &mut draft.speed);
+                line(ui, problems, FieldId::Folder, &mut draft.folder);
+                line(ui, problems, FieldId::Speed, &mut draft.speed);
             });
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
                 outbox.send(RobotCommand::Setup(Setup::PickRecording));
@@ -191,11 +191,11 @@ fn controller(
         }
         ControllerKind::Ads => {
             grid("ads").show(ui, |ui| {
-                line(ui, problems, Field::Host, &mut draft.host);
-                line(ui, problems, Field::Port, &mut draft.port);
-                line(ui, problems, Field::NetId, &mut draft.net_id);
-                line(ui, problems, Field::AmsPort, &mut draft.ams_port);
-                line(ui, problems, Field::Timeout, &mut draft.timeout);
+                line(ui, problems, FieldId::Host, &mut draft.host);
+                line(ui, problems, FieldId::Port, &mut draft.port);
+                line(ui, problems, FieldId::NetId, &mut draft.net_id);
+                line(ui, problems, FieldId::AmsPort, &mut draft.ams_port);
+                line(ui, problems, FieldId::Timeout, &mut draft.timeout);
             });
             wrapped(
                 ui,
@@ -214,14 +214,14 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID]);
     rows.show(ui, |ui| {
-        line(ui, problems, Field::Url, &mut draft.url);
+        line(ui, problems, FieldId::Url, &mut draft.url);
         chosen(
             ui,
             "Security",
             (&mut draft.security, &OpcUaSecurity::ALL),
             None,
         );
-        let problem = problems.of(Field::Policy);
+        let problem = problems.of(FieldId::Policy);
         chosen(
             ui,
             "Policy",
@@ -229,7 +229,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
             problem,
         );
         user(ui, draft, problems, outbox);
-        line(ui, problems, Field::UrlTimeout, &mut draft.url_timeout);
+        line(ui, problems, FieldId::UrlTimeout, &mut draft.url_timeout);
     });
     if draft.security == Some(OpcUaSecurity::None) {
         let text = "Not encrypted: everybody on the network can read and change the messages.";
@@ -257,14 +257,14 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     match draft.sign_in {
         SignIn::Anonymous => {}
         SignIn::Name => {
-            line(ui, problems, Field::User, &mut draft.user);
+            line(ui, problems, FieldId::User, &mut draft.user);
             let hint = format!("{PASSWORD}, or kept");
             secret(ui, ("Password", &hint), draft.password.text_mut());
             keeping(ui, draft, outbox);
         }
         SignIn::Certificate => {
-            let certificate = (Field::UserCertificate, "Choose certificate…");
-            let key = (Field::UserKey, "Choose key…");
+            let certificate = (FieldId::UserCertificate, "Choose certificate…");
+            let key = (FieldId::UserKey, "Choose key…");
             for (names, text, which) in [
                 (certificate, &mut draft.certificate, UserFile::Certificate),
                 (key, &mut draft.key, UserFile::Key),
@@ -395,7 +395,7 @@ fn symbols(
     if let Some((kind, text)) = draft.names().rows.summary() {
         verdict(ui, kind, &text);
     }
-    if let Some(text) = problems.of(Field::Symbols) {
+    if let Some(text) = problems.of(FieldId::Symbols) {
         verdict(ui, Verdict::Bad, &sentence(&format!("{text}.")));
     }
     let names = draft.names_mut();

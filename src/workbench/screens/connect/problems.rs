@@ -2,7 +2,7 @@
 
 /// Field that can have an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Field {
+pub enum FieldId {
     Folder,
     Speed,
     Host,
@@ -30,7 +30,7 @@ pub enum Field {
     Laser,
 }
 
-impl Field {
+impl FieldId {
     /// Name and hint of the field.
     #[must_use]
     pub fn names(self) -> (&'static str, &'static str) {
@@ -58,24 +58,24 @@ impl Field {
     }
 
     #[must_use]
-    pub fn part(self) -> Part {
+    pub fn part(self) -> DialogTab {
         match self {
-            Self::Symbol(_) | Self::Symbols => Part::Symbols,
+            Self::Symbol(_) | Self::Symbols => DialogTab::Symbols,
             Self::LaserHost
             | Self::LaserPort
             | Self::Device
             | Self::Baud
             | Self::Pattern
             | Self::NoReturn
-            | Self::Laser => Part::Laser,
-            _ => Part::Controller,
+            | Self::Laser => DialogTab::Laser,
+            _ => DialogTab::Controller,
         }
     }
 }
 
-/// Part of the dialog.
+/// Tab of the dialog.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
+pub enum DialogTab {
     /// Kind and address of the controller.
     #[default]
     Controller,
@@ -83,7 +83,7 @@ pub enum Part {
     Laser,
 }
 
-impl Part {
+impl DialogTab {
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -96,10 +96,10 @@ impl Part {
 
 /// Errors of fields, one sentence each.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Problems(Vec<(Field, String)>);
+pub struct Problems(Vec<(FieldId, String)>);
 
 impl Problems {
-    pub fn add(&mut self, field: Field, text: impl Into<String>) {
+    pub fn add(&mut self, field: FieldId, text: impl Into<String>) {
         self.0.push((field, text.into()));
     }
 
@@ -111,7 +111,7 @@ impl Problems {
 
     /// Error of a field.
     #[must_use]
-    pub fn of(&self, field: Field) -> Option<&str> {
+    pub fn of(&self, field: FieldId) -> Option<&str> {
         let mut all = self.0.iter();
         let found = all.find(|(wrong, _)| *wrong == field);
         found.map(|(_, text)| text.as_str())
@@ -119,12 +119,12 @@ impl Problems {
 
     /// First error.
     #[must_use]
-    pub fn first(&self) -> Option<(Field, &str)> {
+    pub fn first(&self) -> Option<(FieldId, &str)> {
         self.0.first().map(|(field, text)| (*field, text.as_str()))
     }
 
     /// Value of a result; its error is added for a field.
-    pub fn take<T>(&mut self, field: Field, answer: Result<T, String>) -> Option<T> {
+    pub fn take<T>(&mut self, field: FieldId, answer: Result<T, String>) -> Option<T> {
         answer.map_err(|text| self.add(field, text)).ok()
     }
 }

@@ -17,7 +17,7 @@ use tautline_import::Recipe;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::{ChannelPlace, OpenImport};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::theme::GRID;
 use crate::widgets::{one_part, panel_frame};
 
@@ -26,7 +26,7 @@ pub struct PanelState {
     path: String,
     recipe: String,
     /// Part shown in a small window.
-    part: Part,
+    part: ScreenPart,
     /// Pattern of the shown channel.
     pattern: Option<KnownPattern>,
     /// Whether the choice applies to all channels of the pattern.
@@ -117,15 +117,15 @@ fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelStat
 /// One part at a time, in a small window.
 fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
     let parts = [
-        (Part::Robot, "Channels"),
-        (Part::Panel, "Recipe"),
-        (Part::Plots, "Over time"),
+        (ScreenPart::Robot, "Channels"),
+        (ScreenPart::Panel, "Recipe"),
+        (ScreenPart::Plots, "Over time"),
     ];
     let mut part = panel.part;
     one_part(ui, &mut part, parts, |ui, part| match part {
-        Part::Panel => steps(ui, model, bench, panel),
-        Part::Robot => channels::show(ui, bench),
-        Part::Plots => course::show(ui, bench),
+        ScreenPart::Panel => steps(ui, model, bench, panel),
+        ScreenPart::Robot => channels::show(ui, bench),
+        ScreenPart::Plots => course::show(ui, bench),
     });
     panel.part = part;
 }

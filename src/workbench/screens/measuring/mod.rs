@@ -33,7 +33,7 @@ pub struct PanelState {
     /// Plan for which a prediction was requested, and the id of its session.
     asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, by session and revision.
-    rows: Memo<(u64, u64), Vec<poses::Row>>,
+    rows: Memo<(u64, u64), Vec<poses::PoseRow>>,
     /// Number of measured poses of a plan, by session, revision and length of the plan.
     done: Memo<(u64, u64, usize), usize>,
     /// Pose to which the table was scrolled last.

@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, checkbox, muted, table};
 use tautline_workflow::wording::cable_label;
 use tautline_workflow::wording::units::fixed;
 
@@ -41,10 +41,10 @@ pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
 }
 
 /// Columns of the live readings.
-const COLUMNS: [Column<'static>; 3] = [
-    Column::words("Cable"),
-    Column::number("Revolutions", "since home"),
-    Column::number("Force reading", "N"),
+const COLUMNS: [TableColumn<'static>; 3] = [
+    TableColumn::words("Cable"),
+    TableColumn::number("Revolutions", "since home"),
+    TableColumn::number("Force reading", "N"),
 ];
 
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {

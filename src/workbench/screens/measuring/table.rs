@@ -5,7 +5,7 @@ use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons;
 
 use super::PanelState;
-use super::poses::{PhaseStatus, Row, rows};
+use super::poses::{PoseRow, PoseStatus, rows};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
@@ -58,7 +58,7 @@ struct Shown<'a> {
     is_new: bool,
 }
 
-fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
+fn table(ui: &mut Ui, rows: &[PoseRow], shown: &Shown<'_>) -> Option<i64> {
     let mut clicked = None;
     let height = 6.0 * GRID;
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -162,42 +162,42 @@ fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
     response.clicked()
 }
 
-fn words(row: &Row, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui::Color32) {
+fn words(row: &PoseRow, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui::Color32) {
     if shown.current == Some(row.label) {
         return ("in progress", palette.accent);
     }
     match row.standing {
-        PhaseStatus::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
-        PhaseStatus::Planned => ("planned", palette.muted),
-        PhaseStatus::Measured => ("measured", palette.good),
-        PhaseStatus::Repeat => ("added", palette.good),
-        PhaseStatus::Excluded => ("excluded", palette.warning),
+        PoseStatus::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
+        PoseStatus::Planned => ("planned", palette.muted),
+        PoseStatus::Measured => ("measured", palette.good),
+        PoseStatus::Repeat => ("added", palette.good),
+        PoseStatus::Excluded => ("excluded", palette.warning),
     }
 }
 
-fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: Row) {
+fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: PoseRow) {
     let label = row.label;
     ui.add_space(GRID);
     ui.horizontal_wrapped(|ui| match row.standing {
-        PhaseStatus::Planned => {
+        PoseStatus::Planned => {
             let free = !model.link.is_measuring();
             let remove = icon_button(ui, icons::ICON_DELETE, "Remove from plan", free);
             if remove.clicked() {
                 outbox.send(RobotCommand::RemovePlanned(label));
             }
         }
-        PhaseStatus::Excluded => {
+        PoseStatus::Excluded => {
             if icon_button(ui, icons::ICON_VISIBILITY, "Include pose", true).clicked() {
                 outbox.send(Edit::Include(label));
             }
         }
-        PhaseStatus::Measured | PhaseStatus::Repeat if label == 0 => {
+        PoseStatus::Measured | PoseStatus::Repeat if label == 0 => {
             muted(
                 ui,
                 "The home pose cannot be excluded: revolutions are counted from it.",
             );
         }
-        PhaseStatus::Measured | PhaseStatus::Repeat => {
+        PoseStatus::Measured | PoseStatus::Repeat => {
             let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Exclude pose", true);
             if out.clicked() {
                 outbox.send(Edit::Exclude(label));

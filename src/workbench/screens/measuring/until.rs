@@ -39,7 +39,7 @@ impl Default for UntilState {
 }
 
 /// Input of one kind of goal.
-struct Entry {
+struct GoalField {
     /// Description of the goal.
     text: &'static str,
     /// Name of the field.
@@ -49,15 +49,15 @@ struct Entry {
     scale: f64,
 }
 
-fn entry(goal: Goal) -> Entry {
-    let percent = |text, name| Entry {
+fn entry(goal: Goal) -> GoalField {
+    let percent = |text, name| GoalField {
         text,
         name,
         unit: "%",
         scale: 100.0,
     };
     match goal {
-        Goal::Accuracy(_) => Entry {
+        Goal::Accuracy(_) => GoalField {
             text: "All pulleys are accurate to",
             name: "Accuracy of the pulleys",
             unit: "mm",
@@ -127,7 +127,7 @@ fn goals(ui: &mut Ui, state: &mut UntilState, until: &mut UntilSettings, outbox:
             *offered = until.goals[place];
         }
         let mut is_asked = asked.is_some();
-        let Entry {
+        let GoalField {
             text,
             name,
             unit,

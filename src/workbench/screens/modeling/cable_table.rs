@@ -23,7 +23,7 @@ pub(crate) enum Empty {
     Default(f64),
 }
 
-pub(crate) struct TableColumn {
+pub(crate) struct CableTableColumn {
     pub(crate) title: &'static str,
     pub(crate) unit: &'static str,
     pub(crate) decimals: usize,
@@ -43,7 +43,7 @@ enum CableNumber {
     },
 }
 
-impl TableColumn {
+impl CableTableColumn {
     const fn new(
         title: &'static str,
         unit: &'static str,
@@ -100,24 +100,24 @@ impl TableColumn {
 }
 
 /// Pulley and platform anchor in the frames of base and platform, then winch and cable.
-pub(crate) static COLUMNS: [TableColumn; 18] = [
-    TableColumn::mm("Pulley x", 2, |c| &mut c.pulley.entry_point_m[0]),
-    TableColumn::mm("Pulley y", 2, |c| &mut c.pulley.entry_point_m[1]),
-    TableColumn::mm("Pulley z", 2, |c| &mut c.pulley.entry_point_m[2]),
-    TableColumn::mm("Anchor x", 2, |c| &mut c.platform_anchor_m[0]),
-    TableColumn::mm("Anchor y", 2, |c| &mut c.platform_anchor_m[1]),
-    TableColumn::mm("Anchor z", 2, |c| &mut c.platform_anchor_m[2]),
-    TableColumn::new("Swivel axis x", "", 1.0, 4, |c| {
+pub(crate) static COLUMNS: [CableTableColumn; 18] = [
+    CableTableColumn::mm("Pulley x", 2, |c| &mut c.pulley.entry_point_m[0]),
+    CableTableColumn::mm("Pulley y", 2, |c| &mut c.pulley.entry_point_m[1]),
+    CableTableColumn::mm("Pulley z", 2, |c| &mut c.pulley.entry_point_m[2]),
+    CableTableColumn::mm("Anchor x", 2, |c| &mut c.platform_anchor_m[0]),
+    CableTableColumn::mm("Anchor y", 2, |c| &mut c.platform_anchor_m[1]),
+    CableTableColumn::mm("Anchor z", 2, |c| &mut c.platform_anchor_m[2]),
+    CableTableColumn::new("Swivel axis x", "", 1.0, 4, |c| {
         &mut c.pulley.swivel_axis[0]
     }),
-    TableColumn::new("Swivel axis y", "", 1.0, 4, |c| {
+    CableTableColumn::new("Swivel axis y", "", 1.0, 4, |c| {
         &mut c.pulley.swivel_axis[1]
     }),
-    TableColumn::new("Swivel axis z", "", 1.0, 4, |c| {
+    CableTableColumn::new("Swivel axis z", "", 1.0, 4, |c| {
         &mut c.pulley.swivel_axis[2]
     }),
-    TableColumn::mm("Pulley radius", 2, |c| &mut c.pulley.radius_m),
-    TableColumn {
+    CableTableColumn::mm("Pulley radius", 2, |c| &mut c.pulley.radius_m),
+    CableTableColumn {
         title: "Position known to ±",
         unit: "mm",
         decimals: 1,
@@ -131,15 +131,15 @@ pub(crate) static COLUMNS: [TableColumn; 18] = [
             set: |c, sd| c.pulley.entry_point_sd_m = PerAxis::Same(sd),
         },
     },
-    TableColumn::mm("Drum diameter", 2, |c| &mut c.winch.drum_diameter_m),
-    TableColumn::mm("Drum pitch", 2, |c| &mut c.winch.drum_pitch_m).or(0.0),
-    TableColumn::new("Gear ratio", "", 1.0, 4, |c| &mut c.winch.gear_ratio).or(1.0),
-    TableColumn::mm("Cable length winch to pulley", 0, |c| {
+    CableTableColumn::mm("Drum diameter", 2, |c| &mut c.winch.drum_diameter_m),
+    CableTableColumn::mm("Drum pitch", 2, |c| &mut c.winch.drum_pitch_m).or(0.0),
+    CableTableColumn::new("Gear ratio", "", 1.0, 4, |c| &mut c.winch.gear_ratio).or(1.0),
+    CableTableColumn::mm("Cable length winch to pulley", 0, |c| {
         &mut c.winch.length_to_pulley_m
     })
     .or(0.0),
-    TableColumn::mm("Length noise", 3, |c| &mut c.winch.length_sd_m),
-    TableColumn {
+    CableTableColumn::mm("Length noise", 3, |c| &mut c.winch.length_sd_m),
+    CableTableColumn {
         title: "Axial stiffness",
         unit: "kN",
         decimals: 1,
@@ -150,7 +150,7 @@ pub(crate) static COLUMNS: [TableColumn; 18] = [
             set: |c, stiffness| c.cable.axial_stiffness_n = stiffness,
         },
     },
-    TableColumn::new("Weight", "N/m", 1.0, 3, |c| &mut c.cable.weight_n_per_m).or(0.0),
+    CableTableColumn::new("Weight", "N/m", 1.0, 3, |c| &mut c.cable.weight_n_per_m).or(0.0),
 ];
 
 #[derive(Debug, Clone, PartialEq)]

@@ -8,8 +8,8 @@ use crate::screens::bench_panel::{Bench, TableInput, or_dash};
 use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, value,
-    verdict,
+    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
+    value, verdict,
 };
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::precalibration::{ElongationFit, Table};
@@ -108,10 +108,10 @@ fn judge(ui: &mut Ui, fit: &ElongationFit) {
 fn degrees(ui: &mut Ui, fit: &ElongationFit) {
     section(ui, "Degree, by cross-validation");
     let columns = [
-        Column::words("Degree"),
-        Column::number("Coefficients", ""),
-        Column::number("Cross-validation error", "mm"),
-        Column::words("Choice"),
+        TableColumn::words("Degree"),
+        TableColumn::number("Coefficients", ""),
+        TableColumn::number("Cross-validation error", "mm"),
+        TableColumn::words("Choice"),
     ];
     let chosen = fit.choice.surface.degree;
     let good = theme::of(ui).good;

@@ -10,7 +10,7 @@ use tautline_core::robot::Robot;
 use super::pose;
 use crate::screens::bench_panel::{Bench, or_dash};
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Cell, Column, Verdict, muted, table, verdict};
+use crate::widgets::{Cell, TableColumn, Verdict, muted, table, verdict};
 
 /// Height of a bar (points).
 const BAR: f32 = 3.0 * GRID;
@@ -204,12 +204,12 @@ fn bar(ui: &mut Ui, bench: &mut Bench<'_>, cable: usize, share: &Share, longest:
 
 fn numbers(ui: &mut Ui, bench: &mut Bench<'_>, shares: &[Share]) {
     let columns = [
-        Column::words("Cable"),
-        Column::number("Free span", "mm"),
-        Column::number("Wrap", "mm"),
-        Column::number("Elongation", "mm"),
-        Column::number("Sag", "mm"),
-        Column::number("Tension", "N"),
+        TableColumn::words("Cable"),
+        TableColumn::number("Free span", "mm"),
+        TableColumn::number("Wrap", "mm"),
+        TableColumn::number("Elongation", "mm"),
+        TableColumn::number("Sag", "mm"),
+        TableColumn::number("Tension", "N"),
     ];
     let rows: Vec<Vec<Cell>> = shares
         .iter()

@@ -11,7 +11,7 @@ use crate::model::edit::Edit;
 use crate::screens::bench_panel::{Bench, or_dash};
 use crate::views::pulley_inspector;
 use crate::widgets::{
-    Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,
+    Cell, Entered, Number, TableColumn, Verdict, muted, number, section, table, verdict,
 };
 use tautline_workflow::wording::units::fixed;
 
@@ -53,11 +53,11 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
 
 fn overview(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, states: Option<&[CableState]>) {
     let columns = [
-        Column::words("Cable"),
-        Column::number("Radius", "mm"),
-        Column::number("Swivel axis", "x, y, z"),
-        Column::number("Wrap", "°"),
-        Column::number("Swivel", "°"),
+        TableColumn::words("Cable"),
+        TableColumn::number("Radius", "mm"),
+        TableColumn::number("Swivel axis", "x, y, z"),
+        TableColumn::number("Wrap", "°"),
+        TableColumn::number("Swivel", "°"),
     ];
     let cables = bench.robot().cables.iter().enumerate();
     let rows: Vec<Vec<Cell>> = cables

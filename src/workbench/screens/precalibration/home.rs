@@ -11,7 +11,8 @@ use super::home_poses::{self, PoseInput};
 use crate::screens::bench_panel::{Bench, TableInput, decimals_for, or_dash};
 use crate::theme;
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
+    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
+    verdict,
 };
 use tautline_workflow::precalibration::Table;
 use tautline_workflow::wording::units::fixed;
@@ -110,11 +111,11 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
 
 fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     let columns = [
-        Column::words("Home pose"),
-        Column::number("Current", ""),
-        Column::number("Measured", ""),
-        Column::number("±", ""),
-        Column::number("Repeatability", ""),
+        TableColumn::words("Home pose"),
+        TableColumn::number("Current", ""),
+        TableColumn::number("Measured", ""),
+        TableColumn::number("±", ""),
+        TableColumn::number("Repeatability", ""),
     ];
     let now = bench.robot().home.map(|home| coordinates(&home.pose()));
     let new = coordinates(&measured.fix.platform_in_base);
@@ -160,11 +161,11 @@ pub(super) fn coordinates(pose: &Pose) -> [f64; 6] {
 
 fn sensors(ui: &mut Ui, measured: &HomeMeasurement) {
     let columns = [
-        Column::words("Sensor"),
-        Column::number("Readings", ""),
-        Column::number("Mean", "mm"),
-        Column::number("Std. dev.", "mm"),
-        Column::words("Range"),
+        TableColumn::words("Sensor"),
+        TableColumn::number("Readings", ""),
+        TableColumn::number("Mean", "mm"),
+        TableColumn::number("Std. dev.", "mm"),
+        TableColumn::words("Range"),
     ];
     let palette = theme::of(ui);
     let rows: Vec<Vec<Cell>> = measured

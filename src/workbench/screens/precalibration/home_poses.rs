@@ -12,8 +12,8 @@ use crate::model::edit::Edit;
 use crate::screens::bench_panel::{Bench, decimals_for, or_dash};
 use crate::theme::GRID;
 use crate::widgets::{
-    Cell, Column, PoseFields, Verdict, icon_only, muted, parse_number, primary, section, table,
-    verdict,
+    Cell, PoseFields, TableColumn, Verdict, icon_only, muted, parse_number, primary, section,
+    table, verdict,
 };
 
 use super::home::coordinates;
@@ -79,11 +79,11 @@ fn list(ui: &mut Ui, bench: &mut Bench<'_>) {
         return;
     }
     let columns = [
-        Column::words("Measurement"),
-        Column::number("x", "mm"),
-        Column::number("y", "mm"),
-        Column::number("z", "mm"),
-        Column::number("±", "mm"),
+        TableColumn::words("Measurement"),
+        TableColumn::number("x", "mm"),
+        TableColumn::number("y", "mm"),
+        TableColumn::number("z", "mm"),
+        TableColumn::number("±", "mm"),
     ];
     let rows: Vec<Vec<Cell>> = (1..)
         .zip(poses)
@@ -180,10 +180,10 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
 
 fn pose_table(ui: &mut Ui, home: Option<Home>, average: &HomeAverage) {
     let columns = [
-        Column::words("Home pose"),
-        Column::number("Current", ""),
-        Column::number("Mean", ""),
-        Column::number("±", ""),
+        TableColumn::words("Home pose"),
+        TableColumn::number("Current", ""),
+        TableColumn::number("Mean", ""),
+        TableColumn::number("±", ""),
     ];
     let now = home.map(|home| coordinates(&home.pose()));
     let new = coordinates(&average.pose);

@@ -8,7 +8,8 @@ use crate::screens::bench_panel::{
     Bench, Residuals, TableInput, decimals_for, or_dash, verdict_cell,
 };
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
+    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
+    verdict,
 };
 use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
@@ -152,11 +153,11 @@ fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
 fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     let unit = I::WORDS.unit.0;
     let columns = [
-        Column::words(I::WORDS.one),
-        Column::number("Pairs", ""),
-        Column::number("Std. dev.", unit),
-        Column::number("Largest residual", unit),
-        Column::words("Result"),
+        TableColumn::words(I::WORDS.one),
+        TableColumn::number("Pairs", ""),
+        TableColumn::number("Std. dev.", unit),
+        TableColumn::number("Largest residual", unit),
+        TableColumn::words("Result"),
     ];
     let fits = I::fits(bench.calibration);
     let rows: Vec<Vec<Cell>> = fits
@@ -208,15 +209,15 @@ fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
 fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let words = I::WORDS;
     section(ui, words.values_title);
-    let mut columns = vec![Column::words(words.one)];
+    let mut columns = vec![TableColumn::words(words.one)];
     for (name, unit) in words.values {
-        columns.push(Column::number(name, unit));
-        columns.extend(["Measured", "±"].map(|title| Column::number(title, unit)));
+        columns.push(TableColumn::number(name, unit));
+        columns.extend(["Measured", "±"].map(|title| TableColumn::number(title, unit)));
     }
     // There is no room for more columns.
     let shows_change = words.values.len() == 1;
     if shows_change {
-        columns.push(Column::number("Change", words.values[0].1));
+        columns.push(TableColumn::number("Change", words.values[0].1));
     }
     let row = |PerCable { cable, fit }: &PerCable<I::Fit>| {
         let mut cells = vec![bench.cable_cell(ui, *cable)];

@@ -19,7 +19,7 @@ use tautline_workflow::wording::units::mm;
 
 use crate::model::Model;
 use crate::model::command::{Outbox, READING_RECORD, RecordCommand};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::record::{CheckedPair, OpenRecord};
 use crate::theme::GRID;
 use crate::views::ViewStates;
@@ -38,7 +38,7 @@ pub struct PanelState {
     /// Sessions selected for a comparison, in the order of clicks.
     chosen: Vec<usize>,
     /// Part shown in a small window.
-    part: Part,
+    part: ScreenPart,
     /// Record drawn last.
     drawn: Option<Drawn>,
 }
@@ -162,15 +162,15 @@ fn compact(
     outbox: &mut Outbox,
 ) {
     let parts = [
-        (Part::Panel, "Changes"),
-        (Part::Robot, "3D view"),
-        (Part::Plots, "Courses"),
+        (ScreenPart::Panel, "Changes"),
+        (ScreenPart::Robot, "3D view"),
+        (ScreenPart::Plots, "Courses"),
     ];
     let mut part = panel.part;
     one_part(ui, &mut part, parts, |ui, part| match part {
-        Part::Panel => changes(ui, model, drawn, panel, outbox),
-        Part::Robot => robot(ui, model, drawn, (panel, views), outbox),
-        Part::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
+        ScreenPart::Panel => changes(ui, model, drawn, panel, outbox),
+        ScreenPart::Robot => robot(ui, model, drawn, (panel, views), outbox),
+        ScreenPart::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
     });
     panel.part = part;
 }

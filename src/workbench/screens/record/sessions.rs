@@ -12,7 +12,7 @@ use super::PanelState;
 use crate::model::command::{Outbox, RecordCommand};
 use crate::model::record::OpenRecord;
 use crate::theme;
-use crate::widgets::{Cell, Column, muted, table};
+use crate::widgets::{Cell, TableColumn, muted, table};
 
 pub(super) fn show(
     ui: &mut Ui,
@@ -25,7 +25,7 @@ pub(super) fn show(
         .into_iter()
         .filter(|one| one.is_used(&sessions))
         .collect();
-    let heads: Vec<Column<'_>> = columns.iter().map(|one| one.head).collect();
+    let heads: Vec<TableColumn<'_>> = columns.iter().map(|one| one.head).collect();
     let cells = sessions.iter().enumerate().map(|(index, row)| {
         let name = match panel.chosen.iter().position(|known| *known == index) {
             Some(side) => format!("{} ({})", row.name, ["A", "B"][side]),
@@ -71,7 +71,7 @@ pub(super) fn show(
 
 /// Column of the table, shown if a session has a value for it.
 struct Described {
-    head: Column<'static>,
+    head: TableColumn<'static>,
     cell: Box<dyn Fn(&RecordRow) -> Cell>,
     /// Whether a session has a value for the column.
     is_said: fn(&RecordRow) -> bool,
@@ -105,35 +105,35 @@ fn columns(ui: &Ui) -> [Described; 8] {
     };
     [
         always(
-            Column::words("Session"),
+            TableColumn::words("Session"),
             Box::new(|row| Cell::new(&row.name)),
         ),
         Described {
-            head: Column::words("Measured"),
+            head: TableColumn::words("Measured"),
             cell: Box::new(|row| Cell::new(row.time.map_or_else(|| "–".to_owned(), date))),
             is_said: |row| row.time.is_some(),
         },
         Described {
-            head: Column::words("Operator"),
+            head: TableColumn::words("Operator"),
             cell: Box::new(|row| Cell::new(row.operator.clone().unwrap_or_default())),
             is_said: |row| row.operator.is_some(),
         },
         always(
-            Column::number("Poses", ""),
+            TableColumn::number("Poses", ""),
             Box::new(|row| Cell::new(row.poses.to_string())),
         ),
-        always(Column::words("Model"), Box::new(model)),
+        always(TableColumn::words("Model"), Box::new(model)),
         always(
-            Column::number("Largest move", "mm"),
+            TableColumn::number("Largest move", "mm"),
             Box::new(move |row| millimetres(row.largest_move_m)),
         ),
         Described {
-            head: Column::number("Accuracy after", "mm"),
+            head: TableColumn::number("Accuracy after", "mm"),
             cell: Box::new(move |row| millimetres(row.accuracy_after_m)),
             is_said: |row| row.accuracy_after_m.is_some(),
         },
         Described {
-            head: Column::words("Effects"),
+            head: TableColumn::words("Effects"),
             cell: Box::new(|row| Cell::new(list(&row.findings))),
             is_said: |row| !row.findings.is_empty(),
         },

@@ -11,7 +11,7 @@ use super::sources::variable;
 use super::view::CursorColumn;
 use crate::model::command::{Format, Outbox, PlotCommand};
 use crate::model::{Model, OpenSession};
-use crate::widgets::{Cell, Column, icon_only, table};
+use crate::widgets::{Cell, TableColumn, icon_only, table};
 use tautline_workflow::plot::Figure;
 
 /// Width (points) below which choices are menus.
@@ -65,8 +65,8 @@ const CURSOR_ROW: f32 = 16.0;
 fn cursors(ui: &mut Ui, columns: &[CursorColumn]) {
     let heads = columns
         .iter()
-        .map(|column| Column::number(&column.title, &column.unit));
-    let heads: Vec<Column<'_>> = [Column::words("")].into_iter().chain(heads).collect();
+        .map(|column| TableColumn::number(&column.title, &column.unit));
+    let heads: Vec<TableColumn<'_>> = [TableColumn::words("")].into_iter().chain(heads).collect();
     let names = ["A", "B", "B \u{2212} A"].into_iter().enumerate();
     let row = |(k, name): (usize, &str)| {
         let values = columns.iter().map(|column| Cell::new(&column.values[k]));

@@ -120,13 +120,13 @@ impl Scale {
 }
 
 /// Transformation from millimetres of an inset to the screen.
-struct Place {
+struct InsetTransform {
     rect: Rect,
     middle: Vector2<f64>,
     per_mm: f64,
 }
 
-impl Place {
+impl InsetTransform {
     fn at(&self, point: Vector2<f64>) -> Pos2 {
         let d = (point - self.middle) * self.per_mm;
         self.rect.center() + vec2(d.x as f32, -d.y as f32)
@@ -147,7 +147,7 @@ pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name):
     let palette = theme::of(ui);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, palette.ground);
-    let place = Place {
+    let place = InsetTransform {
         rect,
         middle: inset.found / 2.0,
         per_mm: f64::from(size) / (2.0 * scale.half),
@@ -167,7 +167,7 @@ pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name):
     );
 }
 
-fn grid(painter: &Painter, place: &Place, scale: Scale, palette: &Palette) {
+fn grid(painter: &Painter, place: &InsetTransform, scale: Scale, palette: &Palette) {
     for axis in 0..2 {
         let (low, high) = (
             place.middle[axis] - scale.half,
@@ -193,7 +193,7 @@ fn grid(painter: &Painter, place: &Place, scale: Scale, palette: &Palette) {
 }
 
 /// 95 % region of the drawing and tolerance, around the nominal position.
-fn bands(painter: &Painter, place: &Place, inset: &Inset, palette: &Palette) {
+fn bands(painter: &Painter, place: &InsetTransform, inset: &Inset, palette: &Palette) {
     let nominal = Vector2::zeros();
     if let Some(semi_axes) = inset.prior {
         let points = boundary(nominal, semi_axes).into_iter();
@@ -210,7 +210,7 @@ fn bands(painter: &Painter, place: &Place, inset: &Inset, palette: &Palette) {
 
 fn ellipse(
     painter: &Painter,
-    place: &Place,
+    place: &InsetTransform,
     (centre, semi_axes): (Vector2<f64>, [Vector2<f64>; 2]),
     colour: Color32,
 ) {
@@ -226,7 +226,12 @@ fn ellipse(
     ));
 }
 
-fn places(painter: &Painter, place: &Place, inset: &Inset, (colour, palette): (Color32, &Palette)) {
+fn places(
+    painter: &Painter,
+    place: &InsetTransform,
+    inset: &Inset,
+    (colour, palette): (Color32, &Palette),
+) {
     let [nominal, found] = [Vector2::zeros(), inset.found].map(|p| place.at(p));
     let way = found - nominal;
     if way.length() > 9.0 {

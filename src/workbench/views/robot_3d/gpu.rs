@@ -12,7 +12,7 @@ use three_d::{
 use super::camera::Camera;
 use super::drawing::{Drawing, Lines, Points};
 use super::framebuffer::{Framebuffer, PixelBox, is_software};
-use super::parts::{Part, Shape};
+use super::parts::{Shape, SolidPart};
 
 /// Inputs of a rendered picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +37,7 @@ impl PartBuffers {
         Self(Shape::ALL.map(|shape| InstancedMesh::new(context, &none, shape.mesh())))
     }
 
-    fn fill(&mut self, parts: &[Part]) {
+    fn fill(&mut self, parts: &[SolidPart]) {
         for (shape, mesh) in Shape::ALL.into_iter().zip(&mut self.0) {
             let parts = parts.iter().filter(|part| part.shape == shape);
             let (places, colours) = parts.map(|part| (single(part), part.colour)).unzip();
@@ -90,7 +90,7 @@ impl Material for Paint {
 }
 
 /// Transformation of a part, for the graphics card.
-fn single(part: &Part) -> Mat4 {
+fn single(part: &SolidPart) -> Mat4 {
     let columns: [[f32; 4]; 4] = part.base_from_shape.cast::<f32>().into();
     columns.into()
 }

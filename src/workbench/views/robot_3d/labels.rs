@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::views::robot_3d::camera::{Camera, StandardView};
     use crate::views::robot_3d::drawing::Options;
-    use crate::views::robot_3d::parts::Part;
+    use crate::views::robot_3d::parts::SolidPart;
     use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
 
     /// Scene of a preset whose pulleys are up to 5 mm from the drawing.
@@ -291,7 +291,7 @@ mod tests {
                 let centre = on_screen(&picture, rect, &placed.wheel.centre);
                 visible += usize::from(centre.is_some_and(|at| rect.shrink(20.0).contains(at)));
                 let wheels = placed.other.iter().chain([&placed.wheel]);
-                let parts = wheels.map(|wheel| Part::wheel(wheel, Srgba::WHITE));
+                let parts = wheels.map(|wheel| SolidPart::wheel(wheel, Srgba::WHITE));
                 for corners in parts.flat_map(|part| part.triangles()) {
                     let seen: Option<Vec<Pos2>> = corners
                         .iter()

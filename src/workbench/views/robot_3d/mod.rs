@@ -43,7 +43,7 @@ pub use toolbar::Aim;
 
 use crate::model::command::{Outbox, PlotCommand, PlotFile, ViewCommand};
 use crate::model::link::LivePlatform;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
@@ -239,7 +239,7 @@ pub fn show(
     let button = model.maximised.is_none().then_some(&mut maximise);
     let aim = view.toolbar(ui, &scene, (model.selection, button));
     if maximise {
-        outbox.send(ViewCommand::Maximise(Some(Part::Robot)));
+        outbox.send(ViewCommand::Maximise(Some(ScreenPart::Robot)));
     }
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
     send(touched, outbox);

@@ -97,9 +97,9 @@ fn wheel() -> CpuMesh {
     mesh
 }
 
-/// Shape with its transformation and colour.
+/// Solid part: a shape with its transformation and colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
+pub struct SolidPart {
     pub shape: Shape,
     /// Transformation of the unit shape to the base frame (m).
     pub base_from_shape: Matrix4<f64>,
@@ -122,7 +122,7 @@ fn across(axis: &Vec3) -> [Vec3; 2] {
     [first, axis.cross(&first)]
 }
 
-impl Part {
+impl SolidPart {
     /// Part whose shape has the axes `axes` (m) about `centre` (m).
     fn new(shape: Shape, axes: [Vec3; 3], centre: &Vec3, colour: Srgba) -> Self {
         let [x, y, z] = axes.map(|axis| axis.push(0.0));
@@ -250,7 +250,7 @@ mod tests {
             normal: Vec3::y(),
             radius_m: 0.2,
         };
-        let triangles = Part::wheel(&wheel, Srgba::WHITE).triangles();
+        let triangles = SolidPart::wheel(&wheel, Srgba::WHITE).triangles();
         let away = triangles.as_flattened().iter().map(|p| p - wheel.centre);
         let rim = away.map(|p| p.x.hypot(p.z)).fold(0.0, f64::max);
         assert!((rim - 0.96 * 0.2).abs() < 1e-6, "{rim}");

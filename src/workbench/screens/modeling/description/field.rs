@@ -13,7 +13,7 @@ const WIDTH: f32 = 84.0;
 const OF_THREE: f32 = 62.0;
 
 /// Number of the description.
-pub struct Field<'a> {
+pub struct NumberField<'a> {
     pub name: &'a str,
     /// Display unit.
     pub unit: &'a str,
@@ -23,7 +23,7 @@ pub struct Field<'a> {
     pub decimals: usize,
 }
 
-impl<'a> Field<'a> {
+impl<'a> NumberField<'a> {
     /// Length in millimetres.
     pub const fn millimetres(name: &'a str, decimals: usize) -> Self {
         Self {
@@ -44,7 +44,7 @@ impl<'a> Field<'a> {
 }
 
 /// Number of every cable or part of a cable: field, value, setter.
-pub type OfEvery<'a, T> = (Field<'a>, f64, fn(&mut T, f64));
+pub type OfEvery<'a, T> = (NumberField<'a>, f64, fn(&mut T, f64));
 
 pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name)
@@ -57,7 +57,7 @@ pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
 pub fn optional(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    field: &Field<'_>,
+    field: &NumberField<'_>,
     (value, is_optional): (Option<f64>, bool),
     set: impl Fn(&mut Robot, Option<f64>),
 ) {
@@ -78,7 +78,7 @@ pub fn optional(
 pub fn one(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    field: &Field<'_>,
+    field: &NumberField<'_>,
     value: f64,
     set: impl Fn(&mut Robot, f64),
 ) {
@@ -91,7 +91,7 @@ pub fn one(
 pub fn three(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    field: &Field<'_>,
+    field: &NumberField<'_>,
     value: [f64; 3],
     set: impl Fn(&mut Robot, [f64; 3]),
 ) {
@@ -101,7 +101,7 @@ pub fn three(
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let name = format!("{} {axis}", field.name);
             // The unit is shown once, after the last field.
-            let of_axis = Field {
+            let of_axis = NumberField {
                 unit: if k == 2 { field.unit } else { "" },
                 ..*field
             };
@@ -125,7 +125,7 @@ pub fn three(
 fn cell(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    (field, name, width): (&Field<'_>, &str, f32),
+    (field, name, width): (&NumberField<'_>, &str, f32),
     (value, is_optional): (Option<f64>, bool),
     set: &dyn Fn(&mut Robot, Option<f64>),
 ) {

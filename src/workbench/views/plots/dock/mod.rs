@@ -15,7 +15,7 @@ use tautline_session::{PlotArea, Plots};
 
 use super::{PLOTS, PlotOptions, PlotState, VariableChoice, scope, sources};
 use crate::model::command::Outbox;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, Selection};
 use crate::widgets::empty;
@@ -264,8 +264,9 @@ pub(crate) fn show(
     };
     let area = ui.available_rect_before_wrap();
     // While the robot moves, the live scope uses the whole area.
-    let is_single =
-        model.maximised == Some(Part::Plots) || area.width() < NARROW || model.link.is_under_way();
+    let is_single = model.maximised == Some(ScreenPart::Plots)
+        || area.width() < NARROW
+        || model.link.is_under_way();
     for plot in panes.plots.values_mut() {
         plot.settle(open);
     }

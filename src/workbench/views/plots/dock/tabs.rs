@@ -7,7 +7,7 @@ use super::super::{PlotState, pane, sources};
 use super::PlotId;
 use super::tree::Preset;
 use crate::model::command::{Outbox, ViewCommand};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
 use crate::widgets::{fitting, icon_only};
@@ -55,7 +55,7 @@ pub(crate) struct Dock<'a> {
 
 impl Dock<'_> {
     fn is_maximised(&self) -> bool {
-        self.model.maximised == Some(Part::Plots)
+        self.model.maximised == Some(ScreenPart::Plots)
     }
 
     /// Buttons to the right of the tabs of an area.
@@ -86,7 +86,8 @@ impl Dock<'_> {
 
     fn maximise(&mut self, plot: PlotId) {
         self.wish = Some(Wish::Show(plot));
-        self.outbox.send(ViewCommand::Maximise(Some(Part::Plots)));
+        self.outbox
+            .send(ViewCommand::Maximise(Some(ScreenPart::Plots)));
     }
 
     /// Menu entries for a plot.

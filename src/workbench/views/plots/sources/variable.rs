@@ -136,7 +136,7 @@ fn capitalised(name: &str) -> String {
 }
 
 /// Row, variable and residual.
-type Place = (usize, f64, f64);
+type DataPoint = (usize, f64, f64);
 
 /// Residuals along the variable.
 pub(crate) fn figure(
@@ -150,8 +150,8 @@ pub(crate) fn figure(
     };
     let (x, factor) = axis(choice.variable);
     let data = &prepared.base.dataset;
-    let points = |places: &[Place]| -> Vec<Point> {
-        let point = |(row, x, y): &Place| at_row(data, excluded, *row, *x, *y);
+    let points = |places: &[DataPoint]| -> Vec<Point> {
+        let point = |(row, x, y): &DataPoint| at_row(data, excluded, *row, *x, *y);
         places.iter().map(point).collect()
     };
     let before = places(&prepared.base, choice, values, factor);
@@ -181,7 +181,7 @@ pub(crate) fn figure(
 }
 
 /// Parts of a curve where there are data; the legend names only the first.
-fn pieces(curve: &Curve, places: &[Place]) -> Vec<Curve> {
+fn pieces(curve: &Curve, places: &[DataPoint]) -> Vec<Curve> {
     let data: Vec<f64> = places.iter().map(|(_, x, _)| *x).collect();
     let pieces = without_gaps(&curve.points, &data).into_iter().enumerate();
     pieces
@@ -196,7 +196,12 @@ fn pieces(curve: &Curve, places: &[Place]) -> Vec<Curve> {
         .collect()
 }
 
-fn places(fit: &Identification, choice: VariableChoice, values: &[f64], factor: f64) -> Vec<Place> {
+fn places(
+    fit: &Identification,
+    choice: VariableChoice,
+    values: &[f64],
+    factor: f64,
+) -> Vec<DataPoint> {
     residuals(fit, choice.quantity, choice.cable)
         .into_iter()
         .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
@@ -216,7 +221,7 @@ fn series(choice: VariableChoice, fit: &Identification, points: Vec<Point>) -> S
 
 /// Least-squares curve through the residuals of a dependence, in the basis functions of the diagnosis. `factor`
 /// converts from the SI unit of the variable.
-fn dependence(places: &[Place], variable: Variable, factor: f64) -> Option<Curve> {
+fn dependence(places: &[DataPoint], variable: Variable, factor: f64) -> Option<Curve> {
     let known = places
         .iter()
         .filter(|(_, x, y)| x.is_finite() && y.is_finite());
@@ -252,7 +257,7 @@ fn dependence(places: &[Place], variable: Variable, factor: f64) -> Option<Curve
 }
 
 /// Part of the residuals explained by the findings: before minus after, averaged over neighbours along the variable.
-fn effect(before: &[Place], after: &[Place]) -> Curve {
+fn effect(before: &[DataPoint], after: &[DataPoint]) -> Curve {
     let by_row: std::collections::HashMap<usize, f64> =
         after.iter().map(|(row, _, value)| (*row, *value)).collect();
     let mut explained: Vec<[f64; 2]> = before
@@ -281,7 +286,7 @@ mod tests {
     #[test]
     fn the_curve_of_a_dependence_runs_through_its_points() {
         let value = |k: usize| k as f64 / 40.0;
-        let places: Vec<Place> = (0..=40)
+        let places: Vec<DataPoint> = (0..=40)
             .map(|k| {
                 (
                     k,

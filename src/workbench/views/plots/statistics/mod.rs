@@ -19,7 +19,7 @@ use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::{icon_button, icon_only, muted};
 use columns::VisibleColumns;
-use rows::{Head, Listed, Listing, Of, Order, Row, arranged, listing, text};
+use rows::{Head, Listed, Listing, Of, Order, StatisticsRow, arranged, listing, text};
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "statistics",
@@ -142,7 +142,7 @@ fn number_of(shown: usize, all: usize) -> String {
 fn table(
     ui: &mut Ui,
     (heads, seen): (&[Head], &VisibleColumns),
-    (rows, shown): (&[Row], &[usize]),
+    (rows, shown): (&[StatisticsRow], &[usize]),
     order: &mut Option<Order>,
     (selection, hovered): (Selection, &mut Selection),
     outbox: &mut Outbox,

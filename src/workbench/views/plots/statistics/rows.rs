@@ -54,12 +54,12 @@ pub(crate) struct Head {
 #[derive(Debug, Default)]
 pub(crate) struct Listing {
     pub(crate) heads: Vec<Head>,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<StatisticsRow>,
 }
 
 /// Row with its cells, the numbers to sort by (cells without a number are sorted by text), and its selection.
 #[derive(Debug, Clone)]
-pub(crate) struct Row {
+pub(crate) struct StatisticsRow {
     /// Displayed texts.
     pub(crate) cells: Vec<String>,
     keys: Vec<Option<f64>>,
@@ -95,9 +95,9 @@ impl PartialEq for Of {
 const NAMES: usize = 2;
 
 /// Indices of the rows whose names contain every word of the filter, in order.
-pub(crate) fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<usize> {
+pub(crate) fn arranged(rows: &[StatisticsRow], order: Option<Order>, filter: &str) -> Vec<usize> {
     let words: Vec<&str> = filter.split_whitespace().collect();
-    let is_wanted = |row: &Row| {
+    let is_wanted = |row: &StatisticsRow| {
         let text = row.cells[..NAMES].join(" ").to_lowercase();
         words.iter().all(|word| text.contains(word))
     };
@@ -109,7 +109,7 @@ pub(crate) fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<
 }
 
 /// Compares two rows; those without a number come last in both directions.
-fn compared(a: &Row, b: &Row, column: usize, descending: bool) -> Ordering {
+fn compared(a: &StatisticsRow, b: &StatisticsRow, column: usize, descending: bool) -> Ordering {
     let directed = |order: Ordering| if descending { order.reverse() } else { order };
     match (a.keys[column], b.keys[column]) {
         (Some(a), Some(b)) => directed(a.total_cmp(&b)),
@@ -120,7 +120,7 @@ fn compared(a: &Row, b: &Row, column: usize, descending: bool) -> Ordering {
 }
 
 /// Table as tab-separated text, for a spreadsheet.
-pub(crate) fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
+pub(crate) fn text(heads: &[Head], rows: &[StatisticsRow], shown: &[usize]) -> String {
     let titles: Vec<&str> = heads.iter().map(|head| head.title).collect();
     let mut text = titles.join("\t") + "\n";
     for place in shown {
@@ -160,14 +160,14 @@ fn table<T, const N: usize>(
             Cell::Number([_, shown], text) => (shown, text),
         });
         let (keys, cells) = cells.unzip();
-        Row {
+        StatisticsRow {
             cells,
             keys,
             selects,
             is_suspect,
         }
     };
-    let rows: Vec<Row> = all.into_iter().map(row).collect();
+    let rows: Vec<StatisticsRow> = all.into_iter().map(row).collect();
     let head = |(place, [_, title, help]): (usize, &[&'static str; 3])| {
         let lengths = rows.iter().map(|row| row.cells[place].chars().count());
         Head {
@@ -186,10 +186,10 @@ fn table<T, const N: usize>(
 mod tests {
     use super::*;
 
-    fn rows() -> Vec<Row> {
+    fn rows() -> Vec<StatisticsRow> {
         let of = |name: &str, value: Option<f64>| {
             let shown = value.map_or_else(|| "\u{2013}".to_owned(), |v| format!("{v:.1}"));
-            Row {
+            StatisticsRow {
                 cells: vec![name.to_owned(), shown.replace('-', "\u{2212}")],
                 keys: vec![None, value],
                 selects: Selection::default(),

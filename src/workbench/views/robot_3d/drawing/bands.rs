@@ -6,7 +6,7 @@ use tautline_core::geometry::Vec3;
 use super::options::{ArrowColour, Options};
 use super::{Drawing, region};
 use crate::theme::Palette;
-use crate::views::robot_3d::parts::{Part, paint};
+use crate::views::robot_3d::parts::{SolidPart, paint};
 use crate::views::robot_3d::scene::{Besides, CableView, Scene};
 
 /// Opacity of bands.
@@ -89,7 +89,7 @@ impl Drawing {
             if let Some(shape) = band(one, scene, index, options) {
                 let colour = paint(band_colour(one, palette), OPACITY);
                 self.glass
-                    .push(Part::ellipsoid(&moved.from, &shape, colour));
+                    .push(SolidPart::ellipsoid(&moved.from, &shape, colour));
             }
         }
     }

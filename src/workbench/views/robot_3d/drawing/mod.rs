@@ -21,7 +21,7 @@ pub use colours::{
 pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
 
-use super::parts::{Part, paint};
+use super::parts::{SolidPart, paint};
 use super::scene::{Besides, CableView, Displacement, Placed, Scene, Wheel};
 use crate::model::Selection;
 use crate::theme::{self, Palette};
@@ -41,9 +41,9 @@ const THIN: f32 = 0.13;
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Drawing {
     /// Opaque parts.
-    pub solids: Vec<Part>,
+    pub solids: Vec<SolidPart>,
     /// Translucent parts.
-    pub glass: Vec<Part>,
+    pub glass: Vec<SolidPart>,
     pub lines: Lines,
     pub points: Points,
     /// Planned and measured poses.
@@ -140,12 +140,12 @@ impl Drawing {
                 FrameLook::Solid => {
                     let colour = paint(palette.frame, 1.0);
                     self.solids
-                        .extend(Part::beam(*member, frame.member_m, colour));
+                        .extend(SolidPart::beam(*member, frame.member_m, colour));
                 }
                 FrameLook::Transparent => {
                     let colour = paint(palette.frame, THIN);
                     self.glass
-                        .extend(Part::beam(*member, frame.member_m, colour));
+                        .extend(SolidPart::beam(*member, frame.member_m, colour));
                 }
                 FrameLook::Hidden => {}
             }
@@ -159,11 +159,11 @@ impl Drawing {
         let corners = scene.platform.corners(&scene.pose);
         if options.inspected.is_some() {
             self.glass
-                .push(Part::cuboid(&corners, paint(palette.platform, THIN)));
+                .push(SolidPart::cuboid(&corners, paint(palette.platform, THIN)));
             return;
         }
         self.solids
-            .push(Part::cuboid(&corners, paint(palette.platform, 1.0)));
+            .push(SolidPart::cuboid(&corners, paint(palette.platform, 1.0)));
         let edge = palette.platform.lerp_to_gamma(palette.ground, 0.5);
         for axis in 0..3 {
             for k in (0..8).filter(|k| k >> axis & 1 == 0) {
@@ -196,7 +196,8 @@ impl Drawing {
     /// Draws a pulley to scale, or a disc if it would be too small to see.
     fn wheel(&mut self, wheel: &Wheel, colour: Color32) {
         if wheel.radius_m > 0.0 {
-            self.solids.push(Part::wheel(wheel, paint(colour, 1.0)));
+            self.solids
+                .push(SolidPart::wheel(wheel, paint(colour, 1.0)));
         }
         self.points
             .push(&wheel.centre, colour, [9.0, 0.0, wheel.radius_m as f32]);
@@ -206,8 +207,8 @@ impl Drawing {
     fn glass_wheel(&mut self, wheel: &Wheel, colour: Color32, opacity: f32) {
         if wheel.radius_m > 0.0 {
             let ink = paint(colour, opacity);
-            self.glass.push(Part::wheel(wheel, ink));
-            let outline = Part::disc(&wheel.centre, &wheel.normal, wheel.radius_m, ink);
+            self.glass.push(SolidPart::wheel(wheel, ink));
+            let outline = SolidPart::disc(&wheel.centre, &wheel.normal, wheel.radius_m, ink);
             for side in outline.rim() {
                 self.lines.push(side, colour, 1.2);
             }
@@ -260,7 +261,7 @@ impl Drawing {
         {
             let ink = if look.is_inspected { look.colour } else { ink };
             let colour = paint(ink, ELLIPSOID);
-            self.glass.push(Part::ellipsoid(&tip, &shape, colour));
+            self.glass.push(SolidPart::ellipsoid(&tip, &shape, colour));
         }
     }
 
@@ -274,7 +275,7 @@ impl Drawing {
         let shaft = [*from, tip - direction * (0.8 * head)];
         self.lines.push(shaft, colour, 2.2);
         self.solids
-            .extend(Part::cone(tip, &direction, head, paint(colour, 1.0)));
+            .extend(SolidPart::cone(tip, &direction, head, paint(colour, 1.0)));
     }
 
     /// Draws the trail of the platform, older parts fainter.
@@ -309,7 +310,7 @@ impl Drawing {
             self.lines.push([laser.from, end], palette.laser, 1.6);
             if let Some(spot) = &laser.spot {
                 let target = paint(palette.laser, 0.18);
-                let target = Part::disc(spot, &laser.normal, 0.022 * size, target);
+                let target = SolidPart::disc(spot, &laser.normal, 0.022 * size, target);
                 self.glass.push(target);
                 for side in target.rim() {
                     self.lines.push(side, palette.laser, 1.2);
