@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::file_tasks::usual_folder;
 use crate::model::Model;
-use crate::model::command::file_choice::{FileChoice, FileRequest, Wanted};
+use crate::model::command::file_choice::{FileChoice, FileRequest, PathKind};
 use crate::model::command::{Command, Outcome};
 
 /// Shows a file dialog on its own thread; `command` receives the chosen path.
@@ -40,9 +40,9 @@ fn desktop_dialog(request: &FileRequest) -> Option<PathBuf> {
             .add_filter("All files", &["*"]);
     }
     match request.wanted {
-        Wanted::File => dialog.pick_file(),
-        Wanted::Folder => dialog.pick_folder(),
-        Wanted::NewFile => dialog.set_file_name(&request.name).save_file(),
+        PathKind::File => dialog.pick_file(),
+        PathKind::Folder => dialog.pick_folder(),
+        PathKind::NewFile => dialog.set_file_name(&request.name).save_file(),
     }
 }
 

@@ -12,7 +12,7 @@ use tautline_workflow::signature::{Gallery, Signature, try_hypothesis, write_gal
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, write, written};
 use super::perform as perform_any;
-use crate::model::command::Previewed;
+use crate::model::command::PreviewResult;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
     Answer, DRAWING, FileCommand, HypothesisCommand, HypothesisOutcome, IdentificationCommand,
@@ -212,7 +212,7 @@ fn preview(model: &mut Model) {
         let fit = open.fit().filter(|_| open.fit_is_current()).map(Arc::clone);
         model.tasks.start(TRYING, move |task| {
             let tried = try_hypothesis(&session, fit, &hypothesis, &|| task.control());
-            let result = tried.map(|tried| tried.map(Previewed::Measured));
+            let result = tried.map(|tried| tried.map(PreviewResult::Measured));
             HypothesisOutcome::Tried { of, result }.into()
         });
         return;
@@ -226,7 +226,7 @@ fn preview(model: &mut Model) {
             let signature = Signature::of(&robot, &poses, hypothesis.effect());
             signature.map_err(|error| format!("{}: {error}.", robot.name))
         });
-        let result = signature.map(|signature| Some(Previewed::Simulated(Box::new(signature))));
+        let result = signature.map(|signature| Some(PreviewResult::Simulated(Box::new(signature))));
         HypothesisOutcome::Tried { of, result }.into()
     });
 }

@@ -13,9 +13,9 @@ use crate::model::command::{
     IdentificationOutcome, READINESS, Readiness,
 };
 use crate::model::edit::Edit;
-use crate::model::fit_progress::{Adding, Before, FitProgress};
+use crate::model::fit_progress::{FitProgress, PendingEffects, PreviousFit};
 use crate::model::messages::Cause;
-use crate::model::open_session::{Diagnosed, Stored};
+use crate::model::open_session::{Diagnosed, StoredFit};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
@@ -102,7 +102,7 @@ pub(super) fn reopened(model: &mut Model) {
     let stored = model.open.as_ref().map(OpenSession::stored);
     model.identification = Default::default();
     model.request(UiRequest::ShowGeometry);
-    if stored == Some(Stored::Current) {
+    if stored == Some(StoredFit::Current) {
         identify(model, false);
     }
     let session = model.open.as_ref().map(OpenSession::session);
@@ -151,12 +151,12 @@ pub(super) fn follow(
         return;
     }
     model.identification.not_added = None;
-    model.identification.adding = adds.map(|effects| Adding {
+    model.identification.adding = adds.map(|effects| PendingEffects {
         effects,
         inputs: open.inputs(),
         place: open.history().place(),
     });
-    model.identification.before = open.fit().map(|fit| Before {
+    model.identification.before = open.fit().map(|fit| PreviousFit {
         what: what.to_owned(),
         missed: fit.residual_ratio(),
         chi2: fit.solution.chi2,
@@ -385,7 +385,7 @@ fn failure(result: &Result<Option<Box<Identification>>, String>) -> Option<Strin
 }
 
 /// Removes effects with which the identification failed.
-fn take_back(model: &mut Model, adding: Adding, reason: String) {
+fn take_back(model: &mut Model, adding: PendingEffects, reason: String) {
     let Some(open) = &mut model.open else {
         return;
     };

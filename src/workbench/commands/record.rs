@@ -20,7 +20,7 @@ use crate::model::command::{
     CHECKING_HEALTH, Command, CompareCommand, FileCommand, PLANNING, PlotFile, READING_RECORD,
     RecordCommand, RecordOutcome,
 };
-use crate::model::comparison::{Side, Source};
+use crate::model::comparison::{SessionSource, Side};
 use crate::model::dialogs::SaveContent;
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
@@ -72,7 +72,7 @@ fn compare(model: &mut Model, sessions: [usize; 2]) {
         return;
     };
     for (side, path) in Side::ALL.into_iter().zip([a, b]) {
-        let choose = CompareCommand::Choose(side, Source::File(path));
+        let choose = CompareCommand::Choose(side, SessionSource::File(path));
         perform_any(model, Command::Compare(choose));
     }
     perform_any(model, Command::Compare(CompareCommand::Show));

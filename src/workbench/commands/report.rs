@@ -8,7 +8,7 @@ use super::file_dialog::pick;
 use super::file_tasks::write;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ReportCommand, ReportDraft, WorkshopInstrument};
-use crate::model::comparison::{Compared, Source};
+use crate::model::comparison::{Compared, SessionSource};
 use crate::model::phase::Screen;
 use crate::model::record::OpenRecord;
 use crate::model::save_form::SaveForm;
@@ -63,8 +63,8 @@ fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
     if let Some(of) = compared(model) {
         let name = format!("comparison-report.{}", format.extension());
         let first = match &of.runs[0].source {
-            Source::File(path) => Some(path.as_path()),
-            Source::Open => model.open.as_ref()?.path(),
+            SessionSource::File(path) => Some(path.as_path()),
+            SessionSource::Open => model.open.as_ref()?.path(),
         };
         return Some(first.map_or_else(|| name.clone().into(), |path| path.with_file_name(&name)));
     }

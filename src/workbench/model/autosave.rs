@@ -40,7 +40,7 @@ pub enum AutosaveEvent {
 
 /// Revision and poses of the session at the last job.
 #[derive(Debug, Clone, Copy)]
-struct Followed {
+struct AutosavedState {
     identity: u64,
     revision: u64,
     edits: u64,
@@ -51,7 +51,7 @@ struct Followed {
     snapshot: Option<usize>,
 }
 
-impl Followed {
+impl AutosavedState {
     fn new(open: &OpenSession, snapshot: usize) -> Self {
         Self {
             identity: open.id(),
@@ -70,7 +70,7 @@ pub struct Autosave {
     events: mpsc::Receiver<AutosaveEvent>,
     thread: Option<JoinHandle<()>>,
     /// State of the session at the last job; `None` while nothing is unsaved.
-    followed: Option<Followed>,
+    followed: Option<AutosavedState>,
     /// Labels of measured poses that were sent to the thread before the session had them.
     ahead: Vec<i64>,
 }
@@ -133,7 +133,7 @@ impl Autosave {
     /// Sends the changes, or a new snapshot; poses with the labels of `ahead` were sent before.
     fn hand_over(&mut self, open: &OpenSession, ahead: &[i64]) {
         let session = open.session();
-        let is_kept = |before: &Followed| {
+        let is_kept = |before: &AutosavedState| {
             let new = session.measurements.labels.get(before.poses..);
             let new = new.is_some_and(|new| new.iter().all(|label| ahead.contains(label)));
             (new && before.replaced == open.replaced())
@@ -157,7 +157,7 @@ impl Autosave {
                 session.measurements.len()
             }
         };
-        self.followed = Some(Followed::new(open, poses));
+        self.followed = Some(AutosavedState::new(open, poses));
     }
 
     /// Sends a measured pose at once; [`AutosaveEvent::Measured`] reports that it is on disk.

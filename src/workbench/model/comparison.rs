@@ -31,7 +31,7 @@ impl Side {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Source {
+pub enum SessionSource {
     Open,
     /// Session file or dataset folder.
     File(PathBuf),
@@ -39,11 +39,11 @@ pub enum Source {
 
 /// One of the two sessions, with its identification.
 #[derive(Debug)]
-pub struct Run {
+pub struct ComparedSession {
     pub name: String,
     /// Time of its last measurement.
     pub measured: Option<Timestamp>,
-    pub source: Source,
+    pub source: SessionSource,
     pub is_simulated: bool,
     pub fit: Arc<Identification>,
     /// Number of the inputs, if this is the open session.
@@ -53,7 +53,7 @@ pub struct Run {
 /// Two sessions and their comparison.
 #[derive(Debug)]
 pub struct Compared {
-    pub runs: [Arc<Run>; 2],
+    pub runs: [Arc<ComparedSession>; 2],
     /// B minus A.
     pub comparison: Comparison,
 }
@@ -63,7 +63,7 @@ impl Compared {
     ///
     /// # Errors
     /// An error message, if the numbers of cables differ or the geometry of a session is not determined.
-    pub fn new(runs: [Arc<Run>; 2]) -> Result<Self, String> {
+    pub fn new(runs: [Arc<ComparedSession>; 2]) -> Result<Self, String> {
         let fits = runs.each_ref().map(|run| run.fit.as_ref());
         Ok(Self {
             comparison: compare_identifications(fits, LEVEL)?,
@@ -86,7 +86,7 @@ pub struct SimulatorComparison {
 /// State of the comparison.
 #[derive(Debug, Default)]
 pub struct ComparisonState {
-    sources: [Option<Source>; 2],
+    sources: [Option<SessionSource>; 2],
     result: Option<Result<Arc<Compared>, String>>,
     /// Last successful comparison; its identifications are reused.
     known: Option<Arc<Compared>>,
@@ -98,7 +98,7 @@ pub struct ComparisonState {
 impl ComparisonState {
     /// Source of one of the two sessions, if chosen.
     #[must_use]
-    pub fn source(&self, side: Side) -> Option<&Source> {
+    pub fn source(&self, side: Side) -> Option<&SessionSource> {
         self.sources[side as usize].as_ref()
     }
 
@@ -114,7 +114,7 @@ impl ComparisonState {
         self.known.as_ref()
     }
 
-    pub fn choose(&mut self, side: Side, source: Source) {
+    pub fn choose(&mut self, side: Side, source: SessionSource) {
         self.sources[side as usize] = Some(source);
     }
 

@@ -56,7 +56,7 @@ impl FitProgress {
 
 /// Fit before a change of the model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Before {
+pub struct PreviousFit {
     pub what: String,
     /// Root mean square of the residuals over that of noise alone.
     pub missed: Option<f64>,
@@ -66,7 +66,7 @@ pub struct Before {
 
 /// Added effects whose identification is still running.
 #[derive(Debug)]
-pub(crate) struct Adding {
+pub(crate) struct PendingEffects {
     pub(crate) effects: Vec<EffectSetting>,
     pub(crate) inputs: u64,
     /// Number of the edit in the history.
@@ -79,8 +79,8 @@ pub struct IdentificationState {
     /// Progress of the running or last identification.
     pub progress: FitProgress,
     /// Fit before the last change of the model.
-    pub before: Option<Before>,
-    pub(crate) adding: Option<Adding>,
+    pub before: Option<PreviousFit>,
+    pub(crate) adding: Option<PendingEffects>,
     /// Effects that were removed again because the identification with them failed, with the reason.
     pub(crate) not_added: Option<(Vec<EffectSetting>, String)>,
     /// Check of the readings, with the number of the inputs.

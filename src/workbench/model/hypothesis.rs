@@ -9,7 +9,7 @@ use tautline_core::robot::{Robot, presets};
 use tautline_workflow::signature::Gallery;
 
 use super::Model;
-use super::command::Previewed;
+use super::command::PreviewResult;
 
 /// Initial text of a new hypothesis: a complete example, to be edited.
 pub const TEMPLATE: &str = r#"# What you suspect, as a formula. This one works: change it.
@@ -49,7 +49,7 @@ pub struct HypothesisDraft {
 pub struct Preview {
     text: String,
     inputs: Option<u64>,
-    pub result: Result<Previewed, String>,
+    pub result: Result<PreviewResult, String>,
 }
 
 /// Action that waits for the answer about an unsaved text.
@@ -125,7 +125,7 @@ impl HypothesisDraft {
     pub(crate) fn take_preview(
         &mut self,
         (text, inputs): (String, Option<u64>),
-        result: Result<Previewed, String>,
+        result: Result<PreviewResult, String>,
     ) {
         if text == self.text {
             self.placement = 0;

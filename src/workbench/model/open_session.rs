@@ -82,7 +82,7 @@ impl DiagnosisOfModel {
 
 /// State of the last identification stored in the session.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Stored {
+pub enum StoredFit {
     #[default]
     None,
     /// It belongs to the data with which the session was opened.
@@ -100,7 +100,7 @@ struct Content {
     lasting: u64,
 }
 
-impl Stored {
+impl StoredFit {
     fn of(session: &Session) -> Self {
         let of_identification =
             |record: &&ResultRecord| record.format() == Some(IdentificationDocument::FORMAT);
@@ -131,7 +131,7 @@ pub struct OpenSession {
     /// Number of changes that cannot be undone.
     lasting: u64,
     saved: Option<Content>,
-    stored: Stored,
+    stored: StoredFit,
     fit: Option<Computed<Identification>>,
     diagnoses: Vec<DiagnosisOfModel>,
     /// Number of the data for each number of inputs; data are the inputs other than the effects of the model.
@@ -149,7 +149,7 @@ impl OpenSession {
         let inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
         Self {
             id: inputs,
-            stored: Stored::of(&session),
+            stored: StoredFit::of(&session),
             session,
             path,
             history: History::default(),
@@ -413,13 +413,13 @@ impl OpenSession {
 
     /// State of the identification that was stored before the session was opened.
     #[must_use]
-    pub fn stored(&self) -> Stored {
+    pub fn stored(&self) -> StoredFit {
         self.stored
     }
 
     /// Stores the identification of the inputs of this number.
     pub fn set_fit(&mut self, fit: Identification, inputs: u64) {
-        self.stored = Stored::None;
+        self.stored = StoredFit::None;
         self.fit = Some(Computed {
             value: Arc::new(fit),
             inputs,

@@ -14,7 +14,7 @@ use tautline_workflow::identification::{
 
 /// Readings of a quantity and cable, with the variables they may depend on.
 #[derive(Debug, Clone)]
-pub struct Along {
+pub struct ReadingVariables {
     pub quantity: Quantity,
     /// Cable, for readings of a cable.
     pub cable: Option<usize>,
@@ -29,7 +29,7 @@ pub struct Prepared {
     /// Fit of the model with the findings of the diagnosis.
     pub extended: Option<Identification>,
     /// Variables at the readings of the first fit.
-    pub along: Vec<Along>,
+    pub along: Vec<ReadingVariables>,
 }
 
 /// Inputs and result of a preparation.
@@ -122,7 +122,7 @@ pub fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
     }
 }
 
-fn along(fit: &Identification) -> Result<Vec<Along>, String> {
+fn along(fit: &Identification) -> Result<Vec<ReadingVariables>, String> {
     let problem = fit.problem().map_err(|error| error.to_string())?;
     let linear = Linearisation::new(&problem, &fit.solution);
     let variables = Variables::new(&problem, &fit.solution, &linear);
@@ -131,13 +131,13 @@ fn along(fit: &Identification) -> Result<Vec<Along>, String> {
             let values = variables.values(quantity, cable, variable)?;
             Some((variable, values))
         });
-        Along {
+        ReadingVariables {
             quantity,
             cable,
             variables: values.collect(),
         }
     };
-    let mut along: Vec<Along> = groups(fit).into_iter().map(known).collect();
+    let mut along: Vec<ReadingVariables> = groups(fit).into_iter().map(known).collect();
     along.retain(|group| !group.variables.is_empty());
     Ok(along)
 }

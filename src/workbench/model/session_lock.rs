@@ -19,7 +19,7 @@ fn stamp_of(path: &Path) -> Option<FileStamp> {
 
 /// File opened or saved by this window.
 #[derive(Debug)]
-struct Known {
+struct KnownFile {
     identity: u64,
     path: PathBuf,
     stamp: Option<FileStamp>,
@@ -29,7 +29,7 @@ struct Known {
 /// from overwriting their changes.
 #[derive(Debug, Default)]
 pub struct SessionLock {
-    known: Option<Known>,
+    known: Option<KnownFile>,
     held: Option<FileLock>,
     /// Revision at the first attempt to lock the file.
     tried: Option<u64>,
@@ -99,7 +99,7 @@ impl SessionLock {
             return None;
         };
         let identity = open.id();
-        let is_known = |known: &Known| known.identity == identity && known.path == path;
+        let is_known = |known: &KnownFile| known.identity == identity && known.path == path;
         if !self.known.as_ref().is_some_and(is_known) {
             self.written(identity, path);
         }
@@ -170,7 +170,7 @@ impl SessionLock {
         {
             self.look_only(path.to_owned(), since);
         }
-        self.known = Some(Known {
+        self.known = Some(KnownFile {
             identity,
             path: path.to_owned(),
             stamp: stamp_of(path),

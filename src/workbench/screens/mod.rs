@@ -46,12 +46,12 @@ pub struct PanelStates {
     pub simulator: simulator::PanelState,
     pub gallery: gallery::PanelState,
     /// Screen shown last; `visits` counts its changes.
-    shown: Option<Shown>,
+    shown: Option<VisitKey>,
     visits: u64,
 }
 
 /// Session, screen, and half of the panel of the identification.
-type Shown = (Option<u64>, Screen, identification::Half);
+type VisitKey = (Option<u64>, Screen, identification::Half);
 
 impl PanelStates {
     /// Number of screen changes, which is part of the ids of scroll areas, so that each screen begins at its top.

@@ -15,12 +15,12 @@ use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
-    asked: Option<Asked>,
+    asked: Option<SensorQuestion>,
 }
 
 /// Robot with the last question and its answer.
 #[derive(Debug)]
-struct Asked {
+struct SensorQuestion {
     robot: Robot,
     advisor: Result<Advisor, String>,
     question: Option<Question>,
@@ -29,7 +29,7 @@ struct Asked {
     folder: String,
 }
 
-impl Asked {
+impl SensorQuestion {
     fn new(robot: Robot) -> Self {
         let advisor = Advisor::new(&robot);
         Self {
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let known = panel.asked.take().filter(|asked| asked.robot == robot);
     let asked = panel
         .asked
-        .insert(known.unwrap_or_else(|| Asked::new(robot)));
+        .insert(known.unwrap_or_else(|| SensorQuestion::new(robot)));
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     });
 }
 
-fn contents(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+fn contents(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     if asked.question.is_none() {
         if let Err(error) = &asked.advisor {
             verdict(ui, Verdict::Bad, error);
@@ -120,7 +120,7 @@ fn contents(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) 
     });
 }
 
-fn asking(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+fn asking(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     if let Some(question) = &mut asked.question {
         sliders(ui, &asked.robot, question);
     }
@@ -128,7 +128,7 @@ fn asking(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
 }
 
 /// Step that starts a study of the question in a folder.
-fn simulation(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     ui.add_space(2.0 * GRID);
     section(ui, "Simulation");
     let Some(question) = asked.question else {

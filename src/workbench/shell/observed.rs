@@ -18,11 +18,11 @@ const PAUSE: Duration = Duration::from_millis(30);
 /// and whether it is selected. Of frames in quick succession only the last is written.
 struct Observer {
     frames: u64,
-    describe: mpsc::Sender<Seen>,
+    describe: mpsc::Sender<ObservedFrame>,
 }
 
 /// Accessibility tree of a frame.
-struct Seen {
+struct ObservedFrame {
     frame: u64,
     update: TreeUpdate,
     pixels_per_point: f64,
@@ -31,7 +31,7 @@ struct Seen {
 /// Begins to describe the window in the file `path`, on a separate thread so that the time of the window's thread is
 /// not affected.
 pub fn observe(context: &Context, path: PathBuf) {
-    let (describe, seen) = mpsc::channel::<Seen>();
+    let (describe, seen) = mpsc::channel::<ObservedFrame>();
     let write = move || {
         while let Ok(first) = seen.recv() {
             // Only the last of the waiting frames is written.
@@ -60,7 +60,7 @@ impl Plugin for Observer {
         let Some(update) = output.platform_output.accesskit_update.take() else {
             return;
         };
-        let seen = Seen {
+        let seen = ObservedFrame {
             frame: self.frames,
             update,
             pixels_per_point: f64::from(context.pixels_per_point()),
@@ -70,7 +70,7 @@ impl Plugin for Observer {
     }
 }
 
-impl Seen {
+impl ObservedFrame {
     fn write(&self, path: &Path) {
         let mut text = format!("{}\n", self.frame);
         let nodes = &self.update.nodes;

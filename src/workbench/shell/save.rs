@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
 }
 
 /// Input of the operator in a save form.
-pub(super) struct Asked {
+pub(super) struct SaveResponse {
     pub entered: bool,
     pub browse: bool,
     /// Whether a file other than `own` exists at the path.
@@ -59,7 +59,7 @@ pub(super) struct Asked {
 }
 
 /// Form with a path, and the error if writing failed; the file `own` is overwritten without a question.
-pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Asked {
+pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> SaveResponse {
     let row = ui.horizontal(|ui| {
         let width = ui.available_width() - 120.0;
         let field = ui.add(TextEdit::singleline(&mut form.path).desired_width(width));
@@ -86,7 +86,7 @@ pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Aske
         None => {}
     }
     let (entered, browse) = row.inner;
-    Asked {
+    SaveResponse {
         entered,
         browse,
         replaces,

@@ -82,7 +82,7 @@ impl Cell {
 
 /// Interaction of the operator with a table.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Touched {
+pub struct TableResponse {
     pub clicked: Option<usize>,
     pub double_clicked: Option<usize>,
     pub hovered: Option<usize>,
@@ -105,7 +105,7 @@ pub fn table(
     columns: &[TableColumn<'_>],
     rows: &[Vec<Cell>],
     selected: Option<usize>,
-) -> Touched {
+) -> TableResponse {
     let mut galleys: Vec<Vec<Galleys>> = rows
         .iter()
         .map(|cells| cells.iter().map(|cell| Galleys::of(ui, cell)).collect())
@@ -142,7 +142,7 @@ pub fn table(
         gap: GAP + extra,
         width,
     };
-    let mut touched = Touched::default();
+    let mut touched = TableResponse::default();
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         if needed > ui.available_width() {
@@ -244,10 +244,10 @@ fn body(
     (rows, galleys): (&[Vec<Cell>], &[Vec<Galleys>]),
     places: &Places,
     selected: Option<usize>,
-) -> Touched {
+) -> TableResponse {
     header(ui, columns, heads, places);
     let palette = theme::of(ui);
-    let mut touched = Touched::default();
+    let mut touched = TableResponse::default();
     for (index, (cells, galleys)) in rows.iter().zip(galleys).enumerate() {
         let tallest = galleys.iter().map(|galley| galley.text.size().y + 2.0);
         let least = ui.spacing().interact_size.y;

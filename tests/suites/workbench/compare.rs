@@ -197,7 +197,7 @@ fn a_session_that_cannot_be_compared_is_named() {
         .outbox
         .send(CompareCommand::Choose(
             tautline_workbench::model::comparison::Side::B,
-            tautline_workbench::model::comparison::Source::File(planar),
+            tautline_workbench::model::comparison::SessionSource::File(planar),
         ));
     settle(&mut harness);
     settle(&mut harness);

@@ -12,8 +12,8 @@ use tautline_session::{
 };
 use tautline_validation::support::harness::words;
 use tautline_workbench::model::command::{Answer, Command, FileCommand, RobotCommand, Setup};
-use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::link::LinkRequest;
+use tautline_workbench::model::link::RunStep;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::AppState;
 use tautline_workflow::adjusting::Purpose;
@@ -203,7 +203,7 @@ fn a_typed_laser_distance_is_requested_at_every_pose() {
     bench.connect_and_arm();
     bench.press("Start measuring");
     let asked = |state: &AppState| match state.model.link.live().doing {
-        Doing::Asking { label, expected_m } => Some((label, expected_m)),
+        RunStep::Asking { label, expected_m } => Some((label, expected_m)),
         _ => None,
     };
     let mut typed = Vec::new();
@@ -409,7 +409,7 @@ fn verification_poses_are_typed_without_an_instrument() {
     bench.go(Phase::Adjustment);
     bench.press("Measure before");
     let asked = |state: &AppState| match state.model.link.live().doing {
-        Doing::Locating { number, .. } => Some(number),
+        RunStep::Locating { number, .. } => Some(number),
         _ => None,
     };
     for number in 1..=2 {

@@ -10,7 +10,7 @@ use super::adjust::not_recorded;
 use super::moving::{reference, refuses, watch};
 use super::until;
 use crate::model::Model;
-use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
+use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, PendingPose, RunLog};
 use tautline_workflow::clock;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::planning::poses_in_words;
@@ -223,7 +223,7 @@ fn measured(model: &mut Model, pose: MeasuredPose) {
     }
     model.autosave.follow(model.open.as_ref());
     model.autosave.measured(pose.clone());
-    model.link.pending = Some(Pending {
+    model.link.pending = Some(PendingPose {
         label,
         pose,
         failed: false,
@@ -232,7 +232,7 @@ fn measured(model: &mut Model, pose: MeasuredPose) {
 
 /// Adds a pose that is on disk to the session and lets the run continue.
 pub fn autosaved(model: &mut Model, label: i64) {
-    let is_it = |pending: &mut Pending| pending.pose.label() == label;
+    let is_it = |pending: &mut PendingPose| pending.pose.label() == label;
     let Some(pending) = model.link.pending.take_if(is_it) else {
         return;
     };

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::model::comparison::{Compared, Side, Source};
+use crate::model::comparison::{Compared, SessionSource, Side};
 
 pub const COMPARING: &str = "Comparing";
 
@@ -13,7 +13,7 @@ pub enum CompareCommand {
     /// Asks for a session file.
     Ask(Side),
     /// Chooses a session.
-    Choose(Side, Source),
+    Choose(Side, SessionSource),
     /// Takes a dropped file: as the missing session, otherwise as the second one.
     Drop(PathBuf),
     /// Removes the choice.

@@ -10,7 +10,7 @@ pub(crate) const WINDOW: &str = "file chooser";
 
 /// Kind of path to choose.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Wanted {
+pub(crate) enum PathKind {
     File,
     Folder,
     NewFile,
@@ -20,7 +20,7 @@ pub(crate) enum Wanted {
 #[derive(Debug)]
 pub(crate) struct FileRequest {
     pub(crate) title: &'static str,
-    pub(crate) wanted: Wanted,
+    pub(crate) wanted: PathKind,
     /// File extensions that are shown; empty for all.
     pub(crate) endings: &'static [&'static str],
     /// Initial folder.
@@ -30,7 +30,7 @@ pub(crate) struct FileRequest {
 }
 
 impl FileRequest {
-    fn new(title: &'static str, wanted: Wanted) -> Self {
+    fn new(title: &'static str, wanted: PathKind) -> Self {
         Self {
             title,
             wanted,
@@ -44,12 +44,12 @@ impl FileRequest {
     pub(crate) fn file(title: &'static str, endings: &'static [&'static str]) -> Self {
         Self {
             endings,
-            ..Self::new(title, Wanted::File)
+            ..Self::new(title, PathKind::File)
         }
     }
 
     pub(crate) fn folder(title: &'static str) -> Self {
-        Self::new(title, Wanted::Folder)
+        Self::new(title, PathKind::Folder)
     }
 
     /// Request for a path to save to, with a suggestion.
@@ -58,7 +58,7 @@ impl FileRequest {
         Self {
             folder: path.parent().map_or_else(PathBuf::new, Path::to_owned),
             name: name.to_string_lossy().into_owned(),
-            ..Self::new("Save as", Wanted::NewFile)
+            ..Self::new("Save as", PathKind::NewFile)
         }
     }
 
@@ -71,9 +71,9 @@ impl FileRequest {
     fn window(&self) -> egui_file::FileDialog {
         let endings = self.endings;
         let window = match self.wanted {
-            Wanted::File => egui_file::FileDialog::open_file(),
-            Wanted::Folder => egui_file::FileDialog::select_folder(),
-            Wanted::NewFile => egui_file::FileDialog::save_file(),
+            PathKind::File => egui_file::FileDialog::open_file(),
+            PathKind::Folder => egui_file::FileDialog::select_folder(),
+            PathKind::NewFile => egui_file::FileDialog::save_file(),
         };
         let mut window = window
             .id(egui::Id::unique(WINDOW))

@@ -52,7 +52,7 @@ pub enum HypothesisOutcome {
     /// Effect of a text on the residuals of the inputs of this number; `None` if it was cancelled.
     Tried {
         of: (String, Option<u64>),
-        result: Result<Option<Previewed>, String>,
+        result: Result<Option<PreviewResult>, String>,
     },
     /// Text of a file, or an error message.
     Read(PathBuf, Result<String, String>),
@@ -68,7 +68,7 @@ pub enum HypothesisOutcome {
 
 /// Effect of a hypothesis on the residuals.
 #[derive(Debug, Clone)]
-pub enum Previewed {
+pub enum PreviewResult {
     /// Fitted to the readings of the session.
     Measured(Trial),
     /// Simulated at typical size, without measurements.

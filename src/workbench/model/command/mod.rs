@@ -18,7 +18,7 @@ mod view;
 
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
 pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening, Origin};
-pub use hypothesis::{DRAWING, HypothesisCommand, HypothesisOutcome, Previewed, TRYING};
+pub use hypothesis::{DRAWING, HypothesisCommand, HypothesisOutcome, PreviewResult, TRYING};
 pub use identification::{
     DIAGNOSING, DiagnosisResult, FORMULAS, IDENTIFYING, IdentificationCommand,
     IdentificationOutcome, READINESS, Readiness,

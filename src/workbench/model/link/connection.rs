@@ -11,7 +11,7 @@ use tautline_link::{
     Sample,
 };
 
-use super::message::{Doing, Lost, MeasuringRequest};
+use super::message::{LostConnection, MeasuringRequest, RunStep};
 use super::operation::Measuring;
 use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
@@ -45,7 +45,7 @@ pub(super) struct Connection {
 struct Reconnection {
     since: Instant,
     attempts: Reconnect,
-    status: Lost,
+    status: LostConnection,
 }
 
 impl Connection {
@@ -94,7 +94,7 @@ impl Connection {
     }
 
     /// The lost connection that is being re-established.
-    pub fn lost(&self) -> Option<&Lost> {
+    pub fn lost(&self) -> Option<&LostConnection> {
         self.lost.as_ref().map(|lost| &lost.status)
     }
 
@@ -115,7 +115,7 @@ impl Connection {
         self.lost = Some(Reconnection {
             since,
             attempts: Reconnect::new(BackOff::default()),
-            status: Lost { why, due: since },
+            status: LostConnection { why, due: since },
         });
     }
 
@@ -138,7 +138,7 @@ impl Connection {
             }
             Reconnected::Waiting(_) => {}
             Reconnected::Failed(error, due_s) => {
-                lost.status = Lost {
+                lost.status = LostConnection {
                     why: error.to_string(),
                     due: lost.since + Duration::from_secs_f64(due_s),
                 };
@@ -170,7 +170,7 @@ impl Connection {
             per_revolution_m: per_revolution
                 .map(|cable| cable.winch.cable_per_revolution_m())
                 .collect(),
-            doing: Doing::Moving,
+            doing: RunStep::Moving,
         }
     }
 }

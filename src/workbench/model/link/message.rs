@@ -91,7 +91,7 @@ pub struct MeasuringRequest {
 
 /// Deviation of a new pose from its prediction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surprise {
+pub struct PoseDeviation {
     pub label: i64,
     /// Predicted minus measured length of each cable (m).
     pub lengths_m: Vec<f64>,
@@ -122,7 +122,7 @@ pub enum DriverEvent {
     /// The controller moves to a pose.
     Commanded(i64),
     /// A pose is measured and must be stored.
-    Measured(Box<MeasuredPose>, Option<Surprise>),
+    Measured(Box<MeasuredPose>, Option<PoseDeviation>),
     Warning(Warning),
     Skipped(i64),
     /// The run is paused; with the reason.
@@ -158,9 +158,9 @@ pub enum DriverEvent {
     Untrusted(Box<UntrustedServer>),
 }
 
-/// Current activity of a run.
+/// Current step of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Doing {
+pub enum RunStep {
     #[default]
     Nothing,
     Moving,
@@ -199,7 +199,7 @@ pub enum Doing {
 
 /// Lost connection that is being re-established.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lost {
+pub struct LostConnection {
     pub why: String,
     /// Time of the next attempt.
     pub due: Instant,
@@ -207,14 +207,14 @@ pub struct Lost {
 
 /// Present state of the controller and its run.
 #[derive(Debug, Clone, Default)]
-pub struct Live {
+pub struct LiveState {
     pub state: Option<ControllerState>,
     /// Lost connection that is being re-established.
-    pub lost: Option<Lost>,
+    pub lost: Option<LostConnection>,
     pub sample: Option<Sample>,
     /// Pose of the platform computed from the sample.
     pub pose: Option<Pose>,
-    pub doing: Doing,
+    pub doing: RunStep,
     /// Poses still to be measured.
     pub remaining: usize,
     /// Remaining time of a verification (s, clock of the controller); `None` before the second target.

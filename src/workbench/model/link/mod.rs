@@ -30,11 +30,11 @@ use tautline_workflow::controllers::ConnectionSetup;
 use tautline_workflow::sequential::SequentialRun;
 
 pub use self::message::{
-    Doing, DriverCommand, DriverEvent, LinkRequest, Live, LivePlatform, Lost, MeasuringRequest,
-    Surprise,
+    DriverCommand, DriverEvent, LinkRequest, LivePlatform, LiveState, LostConnection,
+    MeasuringRequest, PoseDeviation, RunStep,
 };
 pub use self::progress::duration;
-pub use self::run::{Pending, RunLog};
+pub use self::run::{PendingPose, RunLog};
 pub use self::trail::Trail;
 use tautline_workflow::adjusting::Purpose;
 
@@ -61,7 +61,7 @@ pub struct Link {
     context: egui::Context,
     commands: Option<Sender<DriverCommand>>,
     events: Option<Receiver<DriverEvent>>,
-    live: Arc<Mutex<Live>>,
+    live: Arc<Mutex<LiveState>>,
     scope: Arc<Mutex<Option<Scope>>>,
     thread: Option<JoinHandle<()>>,
     speed: f64,
@@ -78,7 +78,7 @@ pub struct Link {
     /// Measuring run, also after its end.
     pub run: Option<RunLog>,
     /// Measured pose that is not stored yet.
-    pub pending: Option<Pending>,
+    pub pending: Option<PendingPose>,
     /// Stage of the running verification.
     pub verifying: Option<Stage>,
     /// Targets of the last verification.
@@ -143,7 +143,7 @@ impl Link {
 
     /// Present state of the controller.
     #[must_use]
-    pub fn live(&self) -> Live {
+    pub fn live(&self) -> LiveState {
         self.live
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
@@ -193,13 +193,13 @@ impl Link {
         self.with_live(|live| live.state.as_ref().is_some_and(moves)) || self.is_busy()
     }
 
-    fn with_live<T>(&self, of: impl FnOnce(&Live) -> T) -> T {
+    fn with_live<T>(&self, of: impl FnOnce(&LiveState) -> T) -> T {
         of(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Lost connection, while it is being re-established.
     #[must_use]
-    pub fn lost(&self) -> Option<Lost> {
+    pub fn lost(&self) -> Option<LostConnection> {
         self.with_live(|live| live.lost.clone())
     }
 

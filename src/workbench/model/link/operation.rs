@@ -11,7 +11,7 @@ use tautline_link::verifying::{
 use tautline_link::{Activity, Controller};
 use tautline_session::{CheckRow, MeasuredPose, Stage};
 
-use super::message::{Doing, DriverEvent, Surprise};
+use super::message::{DriverEvent, PoseDeviation, RunStep};
 
 /// Current operation of the driver thread.
 pub(super) enum Operation {
@@ -62,9 +62,9 @@ impl Operation {
         }
     }
 
-    pub fn doing(&self) -> Doing {
+    pub fn doing(&self) -> RunStep {
         match self {
-            Self::None => Doing::Nothing,
+            Self::None => RunStep::Nothing,
             Self::Measuring(m) => m.doing,
             Self::Verifying(v) => v.doing,
         }
@@ -92,7 +92,7 @@ pub(super) struct Measuring {
     pub poses: HashMap<i64, Pose>,
     pub predictor: Predictor,
     pub per_revolution_m: Vec<f64>,
-    pub doing: Doing,
+    pub doing: RunStep,
     pub remaining: usize,
 }
 
@@ -121,7 +121,7 @@ impl Measuring {
             MeasuringEvent::ValuesAtStart(values) => DriverEvent::ValuesAtStart(values),
             MeasuringEvent::ValuesAtEnd(values) => DriverEvent::ValuesAtEnd(values),
             MeasuringEvent::Commanded { label } => {
-                self.doing = Doing::Moving;
+                self.doing = RunStep::Moving;
                 DriverEvent::Commanded(label)
             }
             MeasuringEvent::Settling {
@@ -129,7 +129,7 @@ impl Measuring {
                 limits,
                 remaining_s,
             } => {
-                self.doing = Doing::Settling {
+                self.doing = RunStep::Settling {
                     rates,
                     limits,
                     remaining_s,
@@ -137,14 +137,14 @@ impl Measuring {
                 return None;
             }
             MeasuringEvent::Sampling { taken, of } => {
-                self.doing = Doing::Sampling { taken, of };
+                self.doing = RunStep::Sampling { taken, of };
                 return None;
             }
             MeasuringEvent::LaserWanted { label } => {
                 let pose = self.poses.get(&label);
                 let expected = pose.and_then(|pose| (self.predictor)(pose));
                 let expected_m = expected.and_then(|expected| expected.laser_m);
-                self.doing = Doing::Asking { label, expected_m };
+                self.doing = RunStep::Asking { label, expected_m };
                 return None;
             }
             MeasuringEvent::Measured(pose) => {
@@ -162,7 +162,7 @@ impl Measuring {
         })
     }
 
-    fn surprise(&self, pose: &MeasuredPose) -> Option<Surprise> {
+    fn surprise(&self, pose: &MeasuredPose) -> Option<PoseDeviation> {
         let expected = (self.predictor)(&pose.commanded()?)?;
         let revolutions = pose.readings.revolutions.row(0);
         let pairs = revolutions.iter().zip(&expected.revolutions);
@@ -172,7 +172,7 @@ impl Measuring {
             .collect();
         let read_m = pose.readings.laser_at(0);
         let laser_m = expected.laser_m.map(|expected_m| expected_m - read_m);
-        Some(Surprise {
+        Some(PoseDeviation {
             label: pose.label(),
             lengths_m,
             laser_m: laser_m.filter(|off_m| off_m.is_finite()),
@@ -187,7 +187,7 @@ pub(super) struct Verifying {
     rows: Vec<CheckRow>,
     /// Number of rows measured before it was continued.
     begun_with: usize,
-    doing: Doing,
+    doing: RunStep,
     /// Instrument whose poses the operator types.
     pub typed: Option<TypedInstrument>,
     is_home: bool,
@@ -214,7 +214,7 @@ impl Verifying {
             stage,
             typed,
             rows,
-            doing: Doing::Moving,
+            doing: RunStep::Moving,
             is_home: false,
             commanded_s: None,
         }
@@ -223,7 +223,7 @@ impl Verifying {
     /// Remaining time until the last target is measured (s), from the targets so far.
     pub fn remaining_s(&self) -> Option<f64> {
         let [first_s, last_s] = self.commanded_s?;
-        let (Doing::Verifying { done, of } | Doing::Locating { number: done, of }) = self.doing
+        let (RunStep::Verifying { done, of } | RunStep::Locating { number: done, of }) = self.doing
         else {
             return None;
         };
@@ -252,13 +252,13 @@ impl Verifying {
         match event {
             None => Vec::new(),
             Some(VerifyingEvent::Wanted { number }) => {
-                if let Doing::Verifying { of, .. } = self.doing {
-                    self.doing = Doing::Locating { number, of };
+                if let RunStep::Verifying { of, .. } = self.doing {
+                    self.doing = RunStep::Locating { number, of };
                 }
                 Vec::new()
             }
             Some(VerifyingEvent::Commanded { done, of }) => {
-                self.doing = Doing::Verifying { done, of };
+                self.doing = RunStep::Verifying { done, of };
                 if let Some(now_s) = now_s {
                     let first_s = self.commanded_s.map_or(now_s, |[first_s, _]| first_s);
                     self.commanded_s = Some([first_s, now_s]);

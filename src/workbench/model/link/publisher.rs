@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use tautline_core::robot::Robot;
 use tautline_link::Sample;
 
-use super::message::{DriverEvent, Live};
+use super::message::{DriverEvent, LiveState};
 use super::scope::Scope;
 
 /// Minimum interval between two frames of the window.
@@ -16,7 +16,7 @@ pub(super) const PICTURE: Duration = Duration::from_millis(50);
 /// Publishes to the window, and wakes it no more often than it can draw.
 pub(super) struct StatusPublisher {
     pub events: Sender<DriverEvent>,
-    pub live: Arc<Mutex<Live>>,
+    pub live: Arc<Mutex<LiveState>>,
     pub scope: Arc<Mutex<Option<Scope>>>,
     pub context: egui::Context,
     pub woken: Option<Instant>,
@@ -40,7 +40,7 @@ impl StatusPublisher {
     }
 
     /// Replaces the published state.
-    pub fn put(&mut self, live: Live) {
+    pub fn put(&mut self, live: LiveState) {
         *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
         self.wake();
     }
@@ -59,7 +59,7 @@ impl StatusPublisher {
     }
 
     /// Whether the published state satisfies a condition.
-    pub fn shows(&self, is_so: impl FnOnce(&Live) -> bool) -> bool {
+    pub fn shows(&self, is_so: impl FnOnce(&LiveState) -> bool) -> bool {
         is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

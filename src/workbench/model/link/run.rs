@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 use tautline_link::measuring::Warning;
 use tautline_session::MeasuredPose;
 
-use super::message::Surprise;
+use super::message::PoseDeviation;
 use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::sequential::SequentialRun;
 
 /// Measured pose that is not on disk yet.
 #[derive(Debug, Clone)]
-pub struct Pending {
+pub struct PendingPose {
     pub label: i64,
     /// Measured pose with its label.
     pub pose: MeasuredPose,
@@ -35,7 +35,7 @@ pub struct RunLog {
     /// Number of warnings stored in the session.
     stored_warnings: usize,
     /// Deviation of each pose from its prediction.
-    pub surprises: Vec<Surprise>,
+    pub surprises: Vec<PoseDeviation>,
     /// Label measured last.
     last: Option<i64>,
     /// Times of the measurements (s, clock of the controller).

@@ -14,7 +14,7 @@ use tautline_link::{Activity, Clock, Controller, LinkError};
 use tautline_session::{CheckRow, Stage};
 
 use super::connection::{Connection, ReconnectWhileWriting};
-use super::message::{DriverCommand, DriverEvent, LinkRequest, Live, Lost};
+use super::message::{DriverCommand, DriverEvent, LinkRequest, LiveState, LostConnection};
 use super::operation::{Operation, Verifying};
 use super::publisher::{PICTURE, StatusPublisher};
 use tautline_workflow::adjusting::Purpose;
@@ -430,14 +430,14 @@ impl Worker {
             return;
         }
         let live = match &mut self.connection {
-            None => Live::default(),
+            None => LiveState::default(),
             Some(connection) => {
                 let sample = connection.controller.last().cloned();
                 let whereabouts = connection.whereabouts.as_mut();
                 let pose = whereabouts
                     .zip(sample.as_ref())
                     .map(|(w, s)| w.of_sample(s));
-                Live {
+                LiveState {
                     state: connection.state(),
                     lost: connection.lost().cloned(),
                     pose,
@@ -449,7 +449,7 @@ impl Worker {
             }
         };
         // Sampling a controller at standstill does not wake the window.
-        let is_new = |shown: &Live| shown.state != live.state || live.lost.is_some();
+        let is_new = |shown: &LiveState| shown.state != live.state || live.lost.is_some();
         if changed || self.is_busy() || self.publisher.shows(is_new) {
             self.publisher.put(live);
         }
@@ -468,13 +468,13 @@ fn write(
         late_s: connection.rig.late_s(),
         wait: |pause_s: f64| {
             let pause = Duration::from_secs_f64(pause_s);
-            let lost = Lost {
+            let lost = LostConnection {
                 why: why.to_owned(),
                 due: Instant::now() + pause,
             };
-            publisher.put(Live {
+            publisher.put(LiveState {
                 lost: Some(lost),
-                ..Live::default()
+                ..LiveState::default()
             });
             std::thread::sleep(pause);
         },

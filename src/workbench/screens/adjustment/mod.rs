@@ -38,7 +38,7 @@ pub struct PanelState {
     all: bool,
     figures: Memo<(u64, u64, bool), Figures>,
     /// Pose typed at a target.
-    typed: typed::Typed,
+    typed: typed::TargetPoseInput,
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {

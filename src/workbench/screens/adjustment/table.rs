@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, TableColumn, Touched, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, TableResponse, checkbox, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
@@ -60,7 +60,7 @@ pub(crate) fn lines<'a>(
     ui: &mut Ui,
     lines: impl Iterator<Item = &'a Difference>,
     cables: &[Cable],
-) -> Touched {
+) -> TableResponse {
     let lines: Vec<&Difference> = lines.collect();
     let rows: Vec<Vec<Cell>> = lines.iter().map(|line| row(ui, line, cables)).collect();
     let touched = table(ui, &COLUMNS, &rows, None);

@@ -15,7 +15,7 @@ use tautline_workflow::wording::units::mm;
 const FAR_M: f64 = 0.1;
 
 #[derive(Debug, Default)]
-pub struct Typed {
+pub struct TargetPoseInput {
     number: Option<usize>,
     pose: PoseFields,
     sent: bool,
@@ -41,9 +41,9 @@ pub(super) fn show(
     let memory = &mut panel.typed;
     let is_new = memory.number != Some(number);
     if is_new {
-        *memory = Typed {
+        *memory = TargetPoseInput {
             number: Some(number),
-            ..Typed::default()
+            ..TargetPoseInput::default()
         };
     }
     let title = format!("Where is the platform at {name}?");

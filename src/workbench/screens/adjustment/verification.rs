@@ -7,7 +7,7 @@ use tautline_session::Stage;
 use super::typed;
 use super::{Figures, PanelState};
 use crate::model::command::{Export, FileCommand, Outbox, RobotCommand};
-use crate::model::link::Doing;
+use crate::model::link::RunStep;
 use crate::model::{Model, OpenSession};
 use crate::screens::measuring::motion;
 use crate::theme::{self, GRID};
@@ -101,7 +101,7 @@ pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outb
     motion::position(ui, model);
     motion::tensions(ui, model);
     match model.link.live().doing {
-        Doing::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
+        RunStep::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
         _ => typed::forget(panel),
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use egui::{CentralPanel, Panel, ScrollArea, Spinner, Ui};
 
 use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
-use crate::model::comparison::{Compared, Source};
+use crate::model::comparison::{Compared, SessionSource};
 use crate::model::part::ScreenPart;
 use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
@@ -185,7 +185,7 @@ fn differences(
 fn is_outdated(model: &Model, compared: &Compared) -> bool {
     let inputs = model.open.as_ref().map(OpenSession::inputs);
     let mut runs = compared.runs.iter();
-    runs.any(|run| run.source == Source::Open && run.inputs != inputs)
+    runs.any(|run| run.source == SessionSource::Open && run.inputs != inputs)
 }
 
 fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {

@@ -18,7 +18,7 @@ use crate::widgets::parse_number;
 
 /// Present settings of the session.
 #[derive(Debug, Clone)]
-pub struct Present {
+pub struct PresentSettings {
     pub robot: Robot,
     /// Connection to its controller.
     pub connection: Connection,
@@ -28,7 +28,7 @@ pub struct Present {
     pub is_demo: bool,
 }
 
-impl Present {
+impl PresentSettings {
     #[must_use]
     pub fn of(session: &Session) -> Self {
         Self {
@@ -161,7 +161,10 @@ impl Draft {
     ///
     /// # Errors
     /// Errors of the fields.
-    pub fn settings(&self, present: &Present) -> Result<(Connection, LaserSettings), Problems> {
+    pub fn settings(
+        &self,
+        present: &PresentSettings,
+    ) -> Result<(Connection, LaserSettings), Problems> {
         let mut problems = Problems::default();
         let mut connection = present.connection.clone();
         connection.controller = self.kind;
@@ -425,7 +428,7 @@ mod tests {
             session.connection.opcua.clone().expect("it"),
         ] {
             session.connection.opcua = Some(place);
-            let settings = draft(&session).settings(&Present::of(&session));
+            let settings = draft(&session).settings(&PresentSettings::of(&session));
             assert_eq!(settings.expect("settings").0, session.connection);
         }
         for kind in [
@@ -436,7 +439,7 @@ mod tests {
         ] {
             session.connection.controller = kind;
             let settings = draft(&session)
-                .settings(&Present::of(&session))
+                .settings(&PresentSettings::of(&session))
                 .expect("settings");
             assert_eq!(settings.0, session.connection);
             assert_eq!(settings.1, session.laser_source);
@@ -449,14 +452,16 @@ mod tests {
         let mut draft = draft(&session);
         draft.kind = ControllerKind::Recording;
         let problems = draft
-            .settings(&Present::of(&session))
+            .settings(&PresentSettings::of(&session))
             .expect_err("no folder");
         assert!(problems.of(FieldId::Folder).is_some());
         draft.kind = ControllerKind::Ads;
         draft.net_id = "1.2.3".into();
         draft.port = "0".into();
         draft.timeout = "soon".into();
-        let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
+        let problems = draft
+            .settings(&PresentSettings::of(&session))
+            .expect_err("wrong");
         for field in [
             FieldId::Host,
             FieldId::Port,
@@ -471,12 +476,16 @@ mod tests {
         draft.net_id = "1.2.3.4.1.1".into();
         draft.port = "48898".into();
         draft.timeout = "2".into();
-        let (connection, _) = draft.settings(&Present::of(&session)).expect("settings");
+        let (connection, _) = draft
+            .settings(&PresentSettings::of(&session))
+            .expect("settings");
         assert_eq!(connection.place.map(|place| place.timeout_s), Some(2.0));
         assert_eq!(connection.ads, None, "the usual names");
         draft.kind = ControllerKind::OpcUa;
         draft.url = "plc:4840".into();
-        let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
+        let problems = draft
+            .settings(&PresentSettings::of(&session))
+            .expect_err("wrong");
         let text = problems.of(FieldId::Url).expect("a problem");
         assert!(text.contains("expected opc.tcp://"), "{text}");
         draft.url = "opc.tcp://plc".into();
@@ -489,7 +498,9 @@ mod tests {
             ),
         ] {
             draft.sign_in = sign_in;
-            let problems = draft.settings(&Present::of(&session)).expect_err("empty");
+            let problems = draft
+                .settings(&PresentSettings::of(&session))
+                .expect_err("empty");
             let text = problems.of(field).expect("a problem");
             assert!(text.contains(expected), "{text}");
         }

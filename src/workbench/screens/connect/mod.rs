@@ -16,7 +16,7 @@ use tautline_session::{Connection, ControllerKind, LaserSettings, OpcUaPolicy, O
 use tautline_workflow::controllers::PASSWORD;
 use tautline_workflow::wording::sentence;
 
-use self::draft::{Present, SignIn};
+use self::draft::{PresentSettings, SignIn};
 use self::field::{file, line, secret};
 use self::names::default_names;
 use self::problems::{DialogTab, FieldId, Problems};
@@ -91,7 +91,7 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
         .open
         .as_ref()
         .filter(|open| open.id() == draft.session_id)
-        .map(|open| Present::of(open.session()))
+        .map(|open| PresentSettings::of(open.session()))
     else {
         return;
     };
@@ -136,7 +136,7 @@ fn part(
     ui: &mut Ui,
     model: &Model,
     draft: &mut Draft,
-    (present, problems): (&Present, &Problems),
+    (present, problems): (&PresentSettings, &Problems),
     outbox: &mut Outbox,
 ) {
     match draft.part {
@@ -152,7 +152,7 @@ fn part(
 fn controller(
     ui: &mut Ui,
     draft: &mut Draft,
-    (present, problems): (&Present, &Problems),
+    (present, problems): (&PresentSettings, &Problems),
     outbox: &mut Outbox,
 ) {
     for (kind, text) in [
@@ -345,7 +345,7 @@ fn symbols(
     ui: &mut Ui,
     model: &Model,
     draft: &mut Draft,
-    (present, problems): (&Present, &Problems),
+    (present, problems): (&PresentSettings, &Problems),
     outbox: &mut Outbox,
 ) {
     let robot = &present.robot;

@@ -6,7 +6,7 @@ use tautline_core::robot::Robot;
 use tautline_link::symbols::{SymbolCheck, SymbolFound};
 use tautline_session::{SymbolMapping, is_per_cable, name_of_cable};
 
-use super::entry::{Need, no_command, read, title_of, unit_of, write};
+use super::entry::{SymbolRole, no_command, read, title_of, unit_of, write};
 use super::problems::{FieldId, Problems};
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
@@ -17,7 +17,7 @@ const WIDE: f32 = 560.0;
 
 #[derive(Debug, Clone)]
 struct SymbolRow {
-    need: Need,
+    need: SymbolRole,
     title: String,
     unit: String,
     /// Name, or comma-separated names; empty if there is none.
@@ -39,7 +39,7 @@ pub struct SymbolRows {
 impl SymbolRows {
     #[must_use]
     pub fn of(mapping: &SymbolMapping, robot: &Robot) -> Self {
-        let mut rows: Vec<SymbolRow> = Need::FIXED
+        let mut rows: Vec<SymbolRow> = SymbolRole::FIXED
             .into_iter()
             .map(|(need, title, unit)| {
                 let (symbol, scale) = read(mapping, need);
@@ -54,7 +54,7 @@ impl SymbolRows {
             .collect();
         let parameters = mapping.parameters.iter().enumerate();
         rows.extend(parameters.map(|(k, parameter)| SymbolRow {
-            need: Need::Parameter(k),
+            need: SymbolRole::Parameter(k),
             title: title_of(&parameter.name),
             unit: unit_of(&parameter.name).to_owned(),
             symbol: parameter.symbol.clone(),

@@ -6,7 +6,7 @@ use tautline_workflow::plot::Selection;
 use tautline_workflow::signature::{Image, Placement, Signature, Trial};
 
 use crate::model::Model;
-use crate::model::command::Previewed;
+use crate::model::command::PreviewResult;
 use crate::model::command::{HypothesisCommand, Outbox, TRYING, ViewCommand};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::theme::GRID;
@@ -39,8 +39,10 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
         match draft.preview.as_ref().map(|preview| &preview.result) {
             None => {}
             Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
-            Some(Ok(Previewed::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
-            Some(Ok(Previewed::Simulated(signature))) => simulated(ui, model, signature, outbox),
+            Some(Ok(PreviewResult::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
+            Some(Ok(PreviewResult::Simulated(signature))) => {
+                simulated(ui, model, signature, outbox)
+            }
         }
     });
 }

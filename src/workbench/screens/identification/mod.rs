@@ -16,7 +16,7 @@ mod suspects;
 use egui::Ui;
 
 use crate::model::command::Outbox;
-use crate::model::open_session::Stored;
+use crate::model::open_session::StoredFit;
 use crate::model::{Model, OpenSession};
 use crate::widgets::{Verdict, heading, muted, verdict};
 
@@ -86,7 +86,7 @@ fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui,
         "Estimates the pulley positions from the measured poses.",
     );
-    if panel.open.stored() == Stored::OutOfDate {
+    if panel.open.stored() == StoredFit::OutOfDate {
         verdict(
             ui,
             Verdict::Doubtful,

@@ -9,7 +9,7 @@ use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
 
 const UNUSED: &str = "Not used";
 
-struct Shown<'a> {
+struct ShownChannel<'a> {
     series: &'a Series,
     name: &'a str,
     unit: Option<&'a str>,
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
         });
         panel.for_all = true;
     }
-    let shown = Shown {
+    let shown = ShownChannel {
         series,
         name,
         unit,
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     meaning(ui, bench, &shown, for_all);
 }
 
-fn words(shown: &Shown<'_>, channel: usize) -> String {
+fn words(shown: &ShownChannel<'_>, channel: usize) -> String {
     let unit = match shown.unit {
         Some(unit) => format!("in {unit}, as the file states"),
         None => "without a unit".to_owned(),
@@ -85,7 +85,7 @@ fn short(value: f64) -> String {
 }
 
 /// Choice between this channel and those of all cables.
-fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) {
+fn scope(ui: &mut Ui, shown: &ShownChannel<'_>, panel: &mut PanelState, cables: usize) {
     let Some((pattern, _)) = &shown.pattern else {
         return;
     };
@@ -96,7 +96,7 @@ fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) 
 }
 
 /// Meaning of the channel: quantity, cable, unit, sign, factor and offset.
-fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool) {
+fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &ShownChannel<'_>, for_all: bool) {
     let cables = bench.robot.cable_count();
     let own = shown
         .entry
@@ -200,7 +200,7 @@ fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
 /// Returns a newly chosen quantity; `Some(None)` if the channel is not used.
 fn choose_quantity(
     ui: &mut Ui,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     now: Option<Quantity>,
 ) -> Option<Option<Quantity>> {
     let mut chosen = None;
@@ -243,7 +243,7 @@ fn choose_cable(ui: &mut Ui, bench: &Bench<'_>, now: usize) -> Option<usize> {
 /// Returns a newly chosen unit; `Some(None)` for that of the file.
 fn choose_unit(
     ui: &mut Ui,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     quantity: Quantity,
     now: Option<&str>,
 ) -> Option<Option<String>> {
@@ -280,7 +280,7 @@ fn unit_of(quantity: Quantity) -> &'static str {
 /// Assigns a quantity to the channel or to those of the pattern.
 fn assign(
     bench: &mut Bench<'_>,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     own: Option<Assignment>,
     quantity: Option<Quantity>,
     for_all: bool,
@@ -323,7 +323,7 @@ fn assign(
 /// Writes an entry of the recipe, for a channel or its pattern.
 fn put(
     bench: &mut Bench<'_>,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     own: Assignment,
     quantity: Quantity,
     for_all: bool,

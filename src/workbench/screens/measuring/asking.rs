@@ -15,7 +15,7 @@ const FAR_M: f64 = 0.02;
 
 /// Input for a pose.
 #[derive(Debug, Default)]
-pub struct Typed {
+pub struct DistanceInput {
     label: Option<i64>,
     text: String,
     /// Whether the input was sent.
@@ -37,9 +37,9 @@ pub(super) fn show(
     let memory = &mut panel.typed;
     let is_new = memory.label != Some(label);
     if is_new {
-        *memory = Typed {
+        *memory = DistanceInput {
             label: Some(label),
-            ..Typed::default()
+            ..DistanceInput::default()
         };
     }
     let name = match label {

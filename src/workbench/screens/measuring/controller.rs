@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, Setup};
 use crate::model::link::LinkRequest;
-use crate::model::link::Lost;
+use crate::model::link::LostConnection;
 use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
@@ -111,7 +111,7 @@ fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind) {
 }
 
 /// While a lost connection is being re-established.
-fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
+fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &LostConnection) {
     let text = format!("{} The robot is disarmed.", lost_words(lost));
     verdict(ui, Verdict::Bad, &text);
     let why = tautline_workflow::wording::sentence(lost.why.trim_end_matches('.'));
@@ -129,7 +129,7 @@ fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
 
 /// Text on a lost connection and the time of the next attempt.
 #[must_use]
-pub fn lost_words(lost: &Lost) -> String {
+pub fn lost_words(lost: &LostConnection) -> String {
     let left = lost.due.saturating_duration_since(Instant::now());
     match left.as_secs_f64().ceil() {
         seconds if seconds > 0.0 => {

@@ -39,7 +39,7 @@ pub struct PanelState {
     /// Pose to which the table was scrolled last.
     scrolled_to: Option<i64>,
     /// Typed laser distance.
-    typed: asking::Typed,
+    typed: asking::DistanceInput,
     /// Whether the matrix of faults is open.
     shows_faults: bool,
     until: until::UntilState,
@@ -62,7 +62,7 @@ impl Default for PanelState {
             rows: Memo::default(),
             done: Memo::default(),
             scrolled_to: None,
-            typed: asking::Typed::default(),
+            typed: asking::DistanceInput::default(),
             shows_faults: false,
             until: until::UntilState::default(),
         }

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
 use crate::model::link::LinkRequest;
-use crate::model::link::{Doing, RunLog};
+use crate::model::link::{RunLog, RunStep};
 use crate::model::messages::full_sentence;
 use crate::model::next_step::failed_save;
 use crate::theme::{self, GRID};
@@ -146,15 +146,15 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         return;
     };
     let doing = match run.paused {
-        Some(_) => Doing::Nothing,
+        Some(_) => RunStep::Nothing,
         None => model.link.live().doing,
     };
-    if !matches!(doing, Doing::Asking { .. }) {
+    if !matches!(doing, RunStep::Asking { .. }) {
         asking::forget(panel);
     }
     match doing {
-        Doing::Settling { rates, limits, .. } => readings::settling(ui, rates, limits),
-        Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
+        RunStep::Settling { rates, limits, .. } => readings::settling(ui, rates, limits),
+        RunStep::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
         _ => {}
     }
 }

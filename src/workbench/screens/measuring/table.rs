@@ -26,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     }
     section(ui, "Poses");
     let run = model.link.run.as_ref();
-    let shown = Shown {
+    let shown = TableState {
         selected: model.selection.pose,
         current: run.and_then(|run| run.current),
         skipped: &|label| run.is_some_and(|run| run.skipped.contains(&label)),
@@ -50,7 +50,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
 }
 
 /// Present state for the table.
-struct Shown<'a> {
+struct TableState<'a> {
     selected: Option<i64>,
     current: Option<i64>,
     skipped: &'a dyn Fn(i64) -> bool,
@@ -58,7 +58,7 @@ struct Shown<'a> {
     is_new: bool,
 }
 
-fn table(ui: &mut Ui, rows: &[PoseRow], shown: &Shown<'_>) -> Option<i64> {
+fn table(ui: &mut Ui, rows: &[PoseRow], shown: &TableState<'_>) -> Option<i64> {
     let mut clicked = None;
     let height = 6.0 * GRID;
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -162,7 +162,11 @@ fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
     response.clicked()
 }
 
-fn words(row: &PoseRow, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui::Color32) {
+fn words(
+    row: &PoseRow,
+    shown: &TableState<'_>,
+    palette: &Palette,
+) -> (&'static str, egui::Color32) {
     if shown.current == Some(row.label) {
         return ("in progress", palette.accent);
     }

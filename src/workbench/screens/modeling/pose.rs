@@ -5,7 +5,7 @@ use tautline_core::geometry::Pose;
 use crate::screens::bench_panel::Bench;
 
 /// Pose with its tensions.
-pub struct Shown {
+pub struct PanelPose {
     /// Name, such as "home".
     pub name: String,
     pub pose: Pose,
@@ -14,7 +14,7 @@ pub struct Shown {
 }
 
 /// Selected pose as identified, otherwise as commanded; the home pose if none is selected or its position is unknown.
-pub fn shown(bench: &Bench<'_>) -> Option<Shown> {
+pub fn shown(bench: &Bench<'_>) -> Option<PanelPose> {
     let measurements = &bench.session().measurements;
     let row = |label: i64| measurements.labels.iter().position(|l| *l == label);
     if let Some(label) = bench.selection.pose
@@ -22,14 +22,14 @@ pub fn shown(bench: &Bench<'_>) -> Option<Shown> {
         && let Some(pose) =
             identified(bench, label).or_else(|| measurements.commanded.get(row).copied().flatten())
     {
-        return Some(Shown {
+        return Some(PanelPose {
             name: format!("pose {label}"),
             pose,
             tensions_n: tensions(bench, row),
         });
     }
     let home = bench.robot().home.as_ref()?;
-    Some(Shown {
+    Some(PanelPose {
         name: "home".to_owned(),
         pose: home.pose(),
         tensions_n: measurements.home_row().and_then(|row| tensions(bench, row)),

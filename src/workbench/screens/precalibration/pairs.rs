@@ -53,7 +53,7 @@ pub struct Fitted {
 
 /// Texts and columns for a kind of instrument.
 #[derive(Debug, Clone, Copy)]
-pub struct Words {
+pub struct InstrumentTexts {
     pub table: Table,
     pub one: &'static str,
     /// Plural, for sentences.
@@ -79,10 +79,10 @@ pub struct Words {
 }
 
 /// Kind of instrument that is calibrated by pairs.
-pub trait ByPairs {
+pub trait Calibrated {
     type Pair: Pair;
     type Fit;
-    const WORDS: Words;
+    const WORDS: InstrumentTexts;
 
     /// Fits of all measured cables.
     fn fits(calibration: &Calibration) -> &[PerCable<Self::Fit>];
@@ -98,14 +98,14 @@ pub trait ByPairs {
     /// Horizontal position of a pair's residual.
     fn place(pair: &Self::Pair) -> f64;
 
-    /// Fitted values of a cable, in the order of [`Words::values`].
+    /// Fitted values of a cable, in the order of [`InstrumentTexts::values`].
     fn values(fit: &Self::Fit, cable: &Cable) -> Vec<Fitted>;
 
     /// Robot with these values.
     fn proposal(calibration: &Calibration) -> &Proposal;
 }
 
-pub fn show<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
+pub fn show<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     bench.import(ui, I::WORDS.table, &mut input.path);
     let fits = I::fits(bench.calibration);
     let chosen = bench.chosen_cable(fits, |fit| I::quality(fit).passed);
@@ -120,7 +120,7 @@ pub fn show<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInp
     pairs::<I>(ui, bench, chosen, input);
 }
 
-fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
+fn judge<I: Calibrated>(ui: &mut Ui, bench: &Bench<'_>) {
     let fits = I::fits(bench.calibration);
     let words = I::WORDS;
     let (limit, unit, decimals) = (words.limit, words.unit.0, words.decimals);
@@ -150,7 +150,7 @@ fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
     }
 }
 
-fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
+fn table_of_fits<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     let unit = I::WORDS.unit.0;
     let columns = [
         TableColumn::words(I::WORDS.one),
@@ -182,7 +182,7 @@ fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) 
     }
 }
 
-fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
+fn residuals<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let (unit, per_si) = I::WORDS.unit;
     let of_cable = |one: &PerCable<I::Fit>| {
         let pairs = I::pairs(&bench.session().phases).iter();
@@ -206,7 +206,7 @@ fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
 }
 
 /// Fitted values and the present ones, and the step that applies them.
-fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
+fn values<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let words = I::WORDS;
     section(ui, words.values_title);
     let mut columns = vec![TableColumn::words(words.one)];
@@ -243,7 +243,7 @@ fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     bench.propose(ui, proposal, "Apply values", &what);
 }
 
-fn pairs<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &mut TableInput) {
+fn pairs<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &mut TableInput) {
     section(ui, &format!("Pairs of {}", bench.cable_name(chosen)));
     bench.choose_cable(ui, chosen);
     let pairs = I::pairs(&bench.session().phases).iter();

@@ -70,22 +70,22 @@ pub(super) fn show(
 }
 
 /// Column of the table, shown if a session has a value for it.
-struct Described {
+struct RecordColumn {
     head: TableColumn<'static>,
     cell: Box<dyn Fn(&RecordRow) -> Cell>,
     /// Whether a session has a value for the column.
     is_said: fn(&RecordRow) -> bool,
 }
 
-impl Described {
+impl RecordColumn {
     fn is_used(&self, sessions: &[RecordRow]) -> bool {
         sessions.iter().any(self.is_said)
     }
 }
 
-fn columns(ui: &Ui) -> [Described; 8] {
+fn columns(ui: &Ui) -> [RecordColumn; 8] {
     let palette = theme::of(ui);
-    let always = |head, cell| Described {
+    let always = |head, cell| RecordColumn {
         head,
         cell,
         is_said: |_| true,
@@ -108,12 +108,12 @@ fn columns(ui: &Ui) -> [Described; 8] {
             TableColumn::words("Session"),
             Box::new(|row| Cell::new(&row.name)),
         ),
-        Described {
+        RecordColumn {
             head: TableColumn::words("Measured"),
             cell: Box::new(|row| Cell::new(row.time.map_or_else(|| "–".to_owned(), date))),
             is_said: |row| row.time.is_some(),
         },
-        Described {
+        RecordColumn {
             head: TableColumn::words("Operator"),
             cell: Box::new(|row| Cell::new(row.operator.clone().unwrap_or_default())),
             is_said: |row| row.operator.is_some(),
@@ -127,12 +127,12 @@ fn columns(ui: &Ui) -> [Described; 8] {
             TableColumn::number("Largest move", "mm"),
             Box::new(move |row| millimetres(row.largest_move_m)),
         ),
-        Described {
+        RecordColumn {
             head: TableColumn::number("Accuracy after", "mm"),
             cell: Box::new(move |row| millimetres(row.accuracy_after_m)),
             is_said: |row| row.accuracy_after_m.is_some(),
         },
-        Described {
+        RecordColumn {
             head: TableColumn::words("Effects"),
             cell: Box::new(|row| Cell::new(list(&row.findings))),
             is_said: |row| !row.findings.is_empty(),

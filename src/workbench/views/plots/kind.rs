@@ -27,7 +27,7 @@ pub(crate) struct PlotKind {
 
 /// Content of a plot below its options.
 pub(crate) enum Content {
-    Figure(fn(&Source<'_>) -> Result<Figure, Unavailable>),
+    Figure(fn(&PlotSource<'_>) -> Result<Figure, Unavailable>),
     /// Table of statistics.
     Statistics,
     /// Live readings of the controller.
@@ -63,13 +63,13 @@ pub(crate) struct PlotOptions {
 }
 
 /// Inputs of figures.
-pub(crate) struct Source<'a> {
+pub(crate) struct PlotSource<'a> {
     pub(crate) open: &'a OpenSession,
     pub(crate) options: PlotOptions,
     pub(crate) preparation: Option<&'a Preparation>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> PlotSource<'a> {
     pub(crate) fn fit(&self) -> Result<&'a Arc<Identification>, Unavailable> {
         let nothing = Unavailable::Empty("Nothing is identified.");
         self.open.fit().ok_or(nothing)

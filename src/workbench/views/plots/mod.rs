@@ -30,7 +30,7 @@ pub use dock::Panes;
 use dock::PlotId;
 pub(crate) use dock::{show, show_detached};
 pub(crate) use kind::PlotKind;
-use kind::{Content, PlotOptions, Source, Unavailable};
+use kind::{Content, PlotOptions, PlotSource, Unavailable};
 pub(crate) use list::{PLOTS, find};
 pub(crate) use sources::residuals::of_both as residuals_of_both;
 use tautline_workflow::identification::Identification;
@@ -226,7 +226,7 @@ impl PlotState {
     fn figure(
         &mut self,
         open: &OpenSession,
-        compute: fn(&Source<'_>) -> Result<Figure, Unavailable>,
+        compute: fn(&PlotSource<'_>) -> Result<Figure, Unavailable>,
     ) -> Result<KnownFigure, Unavailable> {
         if let Some(why) = (self.kind.missing)(open) {
             return Err(Unavailable::Empty(why));
@@ -243,7 +243,7 @@ impl PlotState {
         {
             return Ok(figure.clone());
         }
-        let figure = Arc::new(compute(&Source {
+        let figure = Arc::new(compute(&PlotSource {
             open,
             options: self.options,
             preparation: self.preparation.as_ref(),

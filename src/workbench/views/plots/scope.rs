@@ -57,7 +57,7 @@ impl Graph {
 
 /// Graph with its figure and the range along y.
 #[derive(Debug)]
-struct Shown {
+struct ScopeGraph {
     graph: Graph,
     figure: Figure,
     y: [f64; 2],
@@ -69,7 +69,7 @@ pub(crate) struct ScopeState {
     /// Graph shown if there is no room for all.
     chosen: Graph,
     /// Graphs, by time interval and selected cable.
-    graphs: Memo<(i64, Option<usize>), Vec<Shown>>,
+    graphs: Memo<(i64, Option<usize>), Vec<ScopeGraph>>,
     views: [PlotView; Graph::ALL.len()],
 }
 
@@ -128,10 +128,10 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
 }
 
 /// Current operation, and the choice of a graph if there is no room for all.
-fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[Shown]), chosen: &mut Graph) {
+fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[ScopeGraph]), chosen: &mut Graph) {
     ui.horizontal(|ui| {
         if !fits_all {
-            for Shown { graph, .. } in graphs {
+            for ScopeGraph { graph, .. } in graphs {
                 ui.selectable_value(chosen, *graph, graph.title());
             }
         }
@@ -149,13 +149,14 @@ fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[Shown]), chosen
 }
 
 /// Graphs for which a robot has readings.
-fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<Shown> {
+fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<ScopeGraph> {
     let graphs = Graph::ALL.map(|graph| {
         let figure = figure(scope, graph, cable);
         let y = along_y(graph, &figure);
-        Shown { graph, figure, y }
+        ScopeGraph { graph, figure, y }
     });
-    let has_readings = |shown: &Shown| shown.figure.curves.iter().any(|c| !c.points.is_empty());
+    let has_readings =
+        |shown: &ScopeGraph| shown.figure.curves.iter().any(|c| !c.points.is_empty());
     graphs.into_iter().filter(has_readings).collect()
 }
 

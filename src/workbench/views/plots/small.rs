@@ -62,19 +62,19 @@ pub(crate) fn legend_of(ui: &mut Ui, figure: &Figure, selection: Selection) {
 
 /// Interaction with a plot.
 #[derive(Debug, Default)]
-pub(crate) struct Asked {
+pub(crate) struct PlotResponse {
     pub(crate) is_clicked: bool,
     /// Requested file, with the suffix of its name.
     pub(crate) saved: Option<(&'static str, PlotFile)>,
 }
 
 /// Draws one of several linked plots; its menu saves it.
-pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> Asked {
+pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> PlotResponse {
     let drawn = (plot.name, plot.figure, plot.generation);
     let link = Some(Id::unique(plot.link));
     let kind = (plot.size, link, true, plot.is_explained);
     let (view, events) = draw(ui, drawn, kind, selection);
-    let mut asked = Asked::default();
+    let mut asked = PlotResponse::default();
     for event in events {
         match event {
             PlotEvent::Selected(_) => asked.is_clicked = true,

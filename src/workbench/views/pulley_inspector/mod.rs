@@ -9,7 +9,7 @@ use egui::{CentralPanel, Frame, Key, Label, Margin, Panel, RichText, ScrollArea,
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 
-use super::robot_3d::{self, Aim, Robot3d};
+use super::robot_3d::{self, CameraRequest, Robot3d};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
@@ -121,7 +121,7 @@ fn header(
     inspection: &PulleyInspection,
     robot: &Robot,
     outbox: &mut Outbox,
-) -> Option<Aim> {
+) -> Option<CameraRequest> {
     let cable = inspection.cable;
     let mut aim = None;
     ui.horizontal(|ui| {
@@ -147,11 +147,11 @@ fn header(
             ui.separator();
             let all = "Show the whole robot (Home)";
             if icon_only(ui, icons::ICON_FIT_SCREEN, all, true).clicked() {
-                aim = Some(Aim::All);
+                aim = Some(CameraRequest::All);
             }
             let near = "Show the pulley (F)";
             if icon_only(ui, icons::ICON_CENTER_FOCUS_STRONG, near, true).clicked() {
-                aim = Some(Aim::Selected);
+                aim = Some(CameraRequest::Selected);
             }
         });
     });

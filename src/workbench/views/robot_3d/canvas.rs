@@ -12,8 +12,8 @@ use super::drawing::Drawing;
 use super::framebuffer::PixelBox;
 use super::gpu::{Gpu, PictureKey};
 use super::overlay;
-use super::picking::{Picture, Thing};
-use super::toolbar::Aim;
+use super::picking::{Pickable, Picture};
+use super::toolbar::CameraRequest;
 use crate::model::Selection;
 use crate::theme;
 
@@ -184,7 +184,7 @@ fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
 }
 
 /// Camera movement requested by a key, while the pointer is over the view or it has the focus.
-pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
+pub fn keys(ui: &Ui, response: &Response) -> Option<CameraRequest> {
     if response.has_focus() {
         let filter = egui::EventFilter {
             horizontal_arrows: true,
@@ -198,16 +198,16 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
         return None;
     }
     let aims = [
-        (Key::F, Aim::Selected),
-        (Key::Home, Aim::All),
-        (Key::Num1, Aim::To(StandardView::Front)),
-        (Key::Num2, Aim::To(StandardView::Side)),
-        (Key::Num3, Aim::To(StandardView::Top)),
-        (Key::Num7, Aim::To(StandardView::Isometric)),
+        (Key::F, CameraRequest::Selected),
+        (Key::Home, CameraRequest::All),
+        (Key::Num1, CameraRequest::To(StandardView::Front)),
+        (Key::Num2, CameraRequest::To(StandardView::Side)),
+        (Key::Num3, CameraRequest::To(StandardView::Top)),
+        (Key::Num7, CameraRequest::To(StandardView::Isometric)),
     ];
     ui.input(|input| {
         if input.modifiers.shift_only() && input.key_pressed(Key::F) {
-            return Some(Aim::Frame);
+            return Some(CameraRequest::Frame);
         }
         let pressed = |key| input.modifiers.is_none() && input.key_pressed(key);
         aims.into_iter()
@@ -217,7 +217,7 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
 }
 
 /// Object under the pointer.
-pub fn under_pointer(response: &Response, picture: &Picture<'_>) -> Option<Thing> {
+pub fn under_pointer(response: &Response, picture: &Picture<'_>) -> Option<Pickable> {
     let pointer = response.hover_pos().filter(|_| !response.dragged())?;
     let at = pointer - response.rect.min;
     picture.pick(f64::from(at.x), f64::from(at.y))
@@ -231,11 +231,11 @@ pub fn found_pulley(response: &Response, picture: &Picture<'_>) -> Option<usize>
 }
 
 /// Cable or pose of an object.
-pub fn selection_of(thing: Thing) -> Selection {
+pub fn selection_of(thing: Pickable) -> Selection {
     match thing {
-        Thing::Cable(index) | Thing::Pulley(index) => Selection::cable(index),
-        Thing::Pose(label) => Selection::pose(label),
-        Thing::Platform | Thing::LaserSpot => Selection::default(),
+        Pickable::Cable(index) | Pickable::Pulley(index) => Selection::cable(index),
+        Pickable::Pose(label) => Selection::pose(label),
+        Pickable::Platform | Pickable::LaserSpot => Selection::default(),
     }
 }
 

@@ -29,17 +29,17 @@ pub struct PixelBox {
 pub struct Framebuffer {
     gl: Gl,
     size: [u32; 2],
-    samples: Attached,
-    resolved: Attached,
+    samples: FramebufferObject,
+    resolved: FramebufferObject,
 }
 
 /// Framebuffer object with its attachments.
-struct Attached {
+struct FramebufferObject {
     framebuffer: gl::Framebuffer,
     renderbuffers: Vec<gl::Renderbuffer>,
 }
 
-impl Attached {
+impl FramebufferObject {
     /// Creates colour and depth buffer; `samples` is 0 for one sample per pixel.
     fn new(gl: &Gl, size: [u32; 2], samples: i32) -> Result<Self, String> {
         let [width, height] = size.map(|side| side as i32);
@@ -99,8 +99,8 @@ impl Framebuffer {
     pub fn new(gl: &Gl, size: [u32; 2]) -> Result<Self, String> {
         // SAFETY: reads a limit of the current context.
         let most = unsafe { gl.get_parameter_i32(gl::MAX_SAMPLES) };
-        let mut samples = Attached::new(gl, size, SAMPLES.min(most))?;
-        let resolved = Attached::new(gl, size, 0).inspect_err(|_| samples.delete(gl))?;
+        let mut samples = FramebufferObject::new(gl, size, SAMPLES.min(most))?;
+        let resolved = FramebufferObject::new(gl, size, 0).inspect_err(|_| samples.delete(gl))?;
         Ok(Self {
             gl: Arc::clone(gl),
             size,
@@ -218,7 +218,7 @@ pub fn paint_picture(
     size: [u32; 2],
     paint: impl FnOnce(),
 ) -> Result<image::RgbaImage, String> {
-    let mut attached = Attached::new(gl, size, 0)?;
+    let mut attached = FramebufferObject::new(gl, size, 0)?;
     let [width, height] = size;
     let mut bytes = vec![0; width as usize * height as usize * 4];
     // SAFETY: the caller's context is current; the framebuffer is created here, and `bytes` has room for all pixels.

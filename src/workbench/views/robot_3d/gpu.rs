@@ -134,7 +134,7 @@ impl PointBuffers {
 }
 
 /// Drawing on the graphics card.
-struct Loaded {
+struct LoadedDrawing {
     number: u64,
     lines: LineBuffers,
     points: PointBuffers,
@@ -154,7 +154,7 @@ struct Card {
     glass: PartBuffers,
     line: Program,
     point: Program,
-    loaded: Option<Loaded>,
+    loaded: Option<LoadedDrawing>,
     poses: Option<LoadedPoses>,
     framebuffer: Option<Framebuffer>,
     shown: Option<PictureKey>,
@@ -169,7 +169,7 @@ pub struct Gpu {
 }
 
 /// State shared by all shader programs of a picture.
-struct Look {
+struct FrameUniforms {
     camera: three_d::Camera,
     eye: Vec3,
     lamp: Vec3,
@@ -180,7 +180,7 @@ struct Look {
     opening: f32,
 }
 
-impl Look {
+impl FrameUniforms {
     fn new(key: &PictureKey, drawing: &Drawing) -> Self {
         let [width, height] = key.size;
         let (centre, radius) = &drawing.bounds;
@@ -233,7 +233,7 @@ impl Card {
         }
         self.solids.fill(&drawing.solids);
         self.glass.fill(&drawing.glass);
-        self.loaded = Some(Loaded {
+        self.loaded = Some(LoadedDrawing {
             number,
             lines: LineBuffers::new(&self.context, &drawing.lines),
             points: PointBuffers::new(&self.context, &drawing.points),
@@ -262,7 +262,7 @@ impl Card {
             self.framebuffer = Some(Framebuffer::new(&self.context, key.size)?);
         }
         if let Some(framebuffer) = &self.framebuffer {
-            let look = Look::new(&key, drawing);
+            let look = FrameUniforms::new(&key, drawing);
             framebuffer.draw(&self.context, self.is_software && key.moves, |target| {
                 self.draw(target, &look, drawing.ground);
             });
@@ -271,7 +271,7 @@ impl Card {
         Ok(true)
     }
 
-    fn draw(&self, target: &RenderTarget<'_>, look: &Look, ground: egui::Color32) {
+    fn draw(&self, target: &RenderTarget<'_>, look: &FrameUniforms, ground: egui::Color32) {
         let [r, g, b, _] = ground.to_array().map(|c| f32::from(c) / 255.0);
         target.clear(ClearState::color_and_depth(r, g, b, 1.0, 1.0));
         let Some(loaded) = &self.loaded else {
@@ -293,7 +293,7 @@ impl Card {
         target.render_with_material(&paint(true), &look.camera, &self.glass.0, &[]);
     }
 
-    fn share(program: &Program, look: &Look) {
+    fn share(program: &Program, look: &FrameUniforms) {
         program.use_uniform(
             "clip_from_base",
             look.camera.projection() * look.camera.view(),
@@ -304,7 +304,7 @@ impl Card {
         program.use_uniform("lift", look.lift);
     }
 
-    fn draw_lines(&self, buffers: &LineBuffers, look: &Look) {
+    fn draw_lines(&self, buffers: &LineBuffers, look: &FrameUniforms) {
         let count = buffers.from.instance_count();
         if count == 0 {
             return;
@@ -318,7 +318,7 @@ impl Card {
         program.draw_arrays_instanced(RenderStates::default(), look.camera.viewport(), 6, count);
     }
 
-    fn draw_points(&self, buffers: &PointBuffers, look: &Look, count: u32) {
+    fn draw_points(&self, buffers: &PointBuffers, look: &FrameUniforms, count: u32) {
         if count == 0 {
             return;
         }

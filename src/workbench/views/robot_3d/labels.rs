@@ -40,7 +40,7 @@ pub struct Label {
 }
 
 /// Pulley to be labelled.
-struct Wanted {
+struct LabelRequest {
     cable: usize,
     text: String,
     /// Rectangle covered by the pulley.
@@ -136,7 +136,7 @@ pub fn labels(
 }
 
 /// Pulleys in the picture with their texts. A pulley that moved between two sessions is labelled at both positions.
-fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
+fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<LabelRequest> {
     let scene = picture.scene;
     let mut all = Vec::new();
     let cables = scene.cables.iter().enumerate();
@@ -162,7 +162,7 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
             let away = anchor.map_or(vec2(0.0, -1.0), |anchor| {
                 (pulley.center() - anchor).normalized()
             });
-            all.push(Wanted {
+            all.push(LabelRequest {
                 cable,
                 text,
                 pulley,
@@ -175,7 +175,12 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
 
 /// Closest free rectangle for a text of `size` around a pulley, and its distance from the pulley's edge; `None` if the
 /// pulley is not in the picture or nothing is free.
-fn free_place(wanted: &Wanted, size: Vec2, inside: Rect, taken: &[Rect]) -> Option<(Rect, f32)> {
+fn free_place(
+    wanted: &LabelRequest,
+    size: Vec2,
+    inside: Rect,
+    taken: &[Rect],
+) -> Option<(Rect, f32)> {
     if !inside.contains(wanted.pulley.center()) {
         return None;
     }

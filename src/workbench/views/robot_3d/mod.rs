@@ -35,11 +35,11 @@ use camera::{Camera, Projection};
 use drawing::{Drawing, Options, Points};
 use keys::{DrawingKey, PosesKey, SceneKey, planned};
 use navigation::Navigation;
-use picking::{Picture, Thing};
+use picking::{Pickable, Picture};
 use picture::{PictureRequest, Target};
-use scene::{Scene, Shown, Subject};
+use scene::{Scene, ShownPose, Subject};
 
-pub use toolbar::Aim;
+pub use toolbar::CameraRequest;
 
 use crate::model::command::{Outbox, PlotCommand, PlotFile, ViewCommand};
 use crate::model::link::LivePlatform;
@@ -251,7 +251,7 @@ pub fn inspect(
     (model, open): (&Model, &OpenSession),
     cable: usize,
     (view, hovered): (&mut Robot3d, &mut Selection),
-    (aim, outbox): (Option<Aim>, &mut Outbox),
+    (aim, outbox): (Option<CameraRequest>, &mut Outbox),
 ) {
     view.inspect(Some(cable));
     let scene = view.scene_of(ui, model, open);
@@ -275,7 +275,7 @@ pub fn show_beside(
     send(touched, outbox);
 }
 
-fn send(touched: Touched, outbox: &mut Outbox) {
+fn send(touched: ViewResponse, outbox: &mut Outbox) {
     if let Some(selection) = touched.selection {
         outbox.send(ViewCommand::Select(selection));
     }
@@ -292,7 +292,7 @@ fn send(touched: Touched, outbox: &mut Outbox) {
 
 /// Interaction of the operator with the picture.
 #[derive(Debug, Clone, Default)]
-pub struct Touched {
+pub struct ViewResponse {
     /// Selection after a click.
     pub selection: Option<Selection>,
     /// Pulley to inspect.
@@ -324,7 +324,7 @@ impl Robot3d {
         ui: &mut Ui,
         scene: &Scene,
         (selection, maximise): (Selection, Option<&mut bool>),
-    ) -> Option<Aim> {
+    ) -> Option<CameraRequest> {
         let mut aim = None;
         let projection = self
             .camera()
@@ -348,26 +348,26 @@ impl Robot3d {
         &mut self,
         ui: &mut Ui,
         scene: &Arc<Scene>,
-        aim: Option<Aim>,
+        aim: Option<CameraRequest>,
         selection: Selection,
         hovered: &mut Selection,
-    ) -> Touched {
+    ) -> ViewResponse {
         let drawing = self.drawing_of(scene, selection, ui.theme());
         let size = ui.available_size().max(egui::Vec2::splat(16.0));
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let aim = aim.or_else(|| canvas::keys(ui, &response));
-        let mut touched = Touched::default();
+        let mut touched = ViewResponse::default();
         match (aim, selection.cable) {
-            (Some(Aim::Selected), cable) => touched.inspected = cable,
-            (Some(Aim::Frame), Some(cable)) => self.navigation.frame(cable),
-            (Some(Aim::Frame), None) if selection.pose.is_some() => {
+            (Some(CameraRequest::Selected), cable) => touched.inspected = cable,
+            (Some(CameraRequest::Frame), Some(cable)) => self.navigation.frame(cable),
+            (Some(CameraRequest::Frame), None) if selection.pose.is_some() => {
                 self.navigation.frame_platform();
             }
             _ => {}
         }
         let aim = aim.map(|aim| match (aim, selection.cable) {
-            (Aim::Selected, None) => Aim::All,
+            (CameraRequest::Selected, None) => CameraRequest::All,
             _ => aim,
         });
         let flies = self.camera_for(ui, scene, aim, &response, &drawing);
@@ -402,7 +402,7 @@ impl Robot3d {
             *hovered = picked;
             self.hovers = thing.is_some();
         }
-        if let (Some(Thing::Pulley(index)), true) = (thing, response.clicked()) {
+        if let (Some(Pickable::Pulley(index)), true) = (thing, response.clicked()) {
             self.options.pin(index);
         }
         touched.inspected = touched.inspected.or(found);
@@ -438,7 +438,7 @@ impl Robot3d {
         &mut self,
         ui: &Ui,
         scene: &Scene,
-        aim: Option<Aim>,
+        aim: Option<CameraRequest>,
         response: &Response,
         drawing: &Drawing,
     ) -> bool {
@@ -462,7 +462,7 @@ impl Robot3d {
         };
         if response.double_clicked() && is_empty() {
             let tips = self.options.tips(scene);
-            let all = Some(Aim::All);
+            let all = Some(CameraRequest::All);
             navigation.aim(ui, (scene, magnification), tips, all, aspect);
         } else {
             navigation.steer(ui, response, under);
@@ -475,7 +475,7 @@ impl Robot3d {
         let has_more = drawing.poses.coarse < drawing.poses.centres.len();
         let is_rough = has_more || self.is_software();
         let now_s = ui.input(|input| input.time);
-        let has_new_platform = matches!(scene.shown, Shown::Live | Shown::Stopped)
+        let has_new_platform = matches!(scene.shown, ShownPose::Live | ShownPose::Stopped)
             && self.shown != Some(self.drawings);
         if flies || has_new_platform {
             self.moved_s = Some(now_s);

@@ -6,7 +6,7 @@ use tautline_core::geometry::Vec3;
 use super::camera::{Camera, Flight, StandardView};
 use super::canvas;
 use super::scene::{Scene, Wheel};
-use super::toolbar::Aim;
+use super::toolbar::CameraRequest;
 
 /// Free space around an inspected pulley, in its radii.
 const AROUND: f64 = 1.35;
@@ -87,7 +87,7 @@ impl Navigation {
         ui: &Ui,
         (scene, magnification): (&Scene, f64),
         tips: Vec<Vec3>,
-        aim: Option<Aim>,
+        aim: Option<CameraRequest>,
         aspect: f64,
     ) -> Camera {
         let mut extent = scene.extent();
@@ -98,15 +98,15 @@ impl Navigation {
             Camera::new(scene.directions, StandardView::Isometric, &extent, aspect)
         });
         match aim {
-            Some(Aim::To(side)) => camera.turn_to(side),
-            Some(Aim::Project(projection)) => camera.set_projection(projection),
-            Some(Aim::Selected) => {
+            Some(CameraRequest::To(side)) => camera.turn_to(side),
+            Some(CameraRequest::Project(projection)) => camera.set_projection(projection),
+            Some(CameraRequest::Selected) => {
                 self.goal = self.inspected.map(Goal::Inspect).or(self.goal);
             }
-            Some(Aim::All | Aim::Frame) | None => {}
+            Some(CameraRequest::All | CameraRequest::Frame) | None => {}
         }
         let is_other = self.framed.as_ref().is_some_and(|framed| *framed != now);
-        let shows_all = matches!(aim, Some(Aim::All | Aim::To(_)));
+        let shows_all = matches!(aim, Some(CameraRequest::All | CameraRequest::To(_)));
         if shows_all || is_other {
             camera.fit(&extent, aspect);
             self.framed = Some(now).filter(|_| self.inspected.is_none());

@@ -4,7 +4,7 @@ use tautline_core::geometry::Vec3;
 
 use super::camera::{Camera, Ray};
 use super::drawing::{Drawing, Options, cable_width, pose_size};
-use super::scene::{Placed, Scene, Wheel};
+use super::scene::{PlacedCable, Scene, Wheel};
 use super::surface;
 
 /// Largest distance of the pointer from an object (points of the screen).
@@ -15,7 +15,7 @@ const NEAR_PULLEY: f64 = 24.0;
 
 /// Object that can be picked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Thing {
+pub enum Pickable {
     /// Cable, by its index.
     Cable(usize),
     /// Pulley of a cable.
@@ -39,7 +39,7 @@ pub struct Picture<'a> {
 /// Object near the pointer.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
-    thing: Thing,
+    thing: Pickable,
     /// Distance to the drawn object (points of the screen); 0 if it is hit.
     beside: f64,
     depth_m: f64,
@@ -80,7 +80,7 @@ impl Picture<'_> {
 
     /// Cable and its pulleys as drawn.
     #[must_use]
-    pub fn placed(&self, cable: usize) -> Placed {
+    pub fn placed(&self, cable: usize) -> PlacedCable {
         let magnification = self.options.exaggeration_of(self.scene);
         self.scene.placed(cable, magnification)
     }
@@ -100,13 +100,13 @@ impl Picture<'_> {
 
     /// Object at `(x, y)`: of the objects hit the nearest to the eye, otherwise the closest beside.
     #[must_use]
-    pub fn pick(&self, x: f64, y: f64) -> Option<Thing> {
+    pub fn pick(&self, x: f64, y: f64) -> Option<Pickable> {
         self.nearest(x, y).map(|hit| hit.thing)
     }
 
     /// Pulley at `(x, y)`, otherwise the closest beside.
     pub(crate) fn pulley_near(&self, x: f64, y: f64) -> Option<usize> {
-        if let Some(Thing::Pulley(index)) = self.pick(x, y) {
+        if let Some(Pickable::Pulley(index)) = self.pick(x, y) {
             return Some(index);
         }
         let beside = |index| {
@@ -143,7 +143,7 @@ impl Picture<'_> {
             hits.extend(self.pick_poses([x, y]));
         }
         let spot = self.scene.laser.and_then(|laser| laser.spot);
-        hits.extend(spot.and_then(|spot| self.pick_point(&spot, 3.5, Thing::LaserSpot, [x, y])));
+        hits.extend(spot.and_then(|spot| self.pick_point(&spot, 3.5, Pickable::LaserSpot, [x, y])));
         let order = |a: &Hit, b: &Hit| {
             let beside = a.beside.total_cmp(&b.beside);
             beside.then(a.depth_m.total_cmp(&b.depth_m))
@@ -161,7 +161,7 @@ impl Picture<'_> {
         let platform = &self.scene.platform;
         if let Some(distance) = ray_box(&local, &platform.low, &platform.high) {
             hits.push(Hit {
-                thing: Thing::Platform,
+                thing: Pickable::Platform,
                 beside: 0.0,
                 depth_m: distance * ray.direction.dot(forward),
             });
@@ -182,14 +182,14 @@ impl Picture<'_> {
         let met = ray.origin + ray.direction * distance;
         if distance > 0.0 && (met - wheel.centre).norm() <= 0.96 * wheel.radius_m {
             return Some(Hit {
-                thing: Thing::Pulley(index),
+                thing: Pickable::Pulley(index),
                 beside: 0.0,
                 depth_m: distance * ray.direction.dot(forward),
             });
         }
         let depth = away.dot(forward);
         let radius = (0.13 * wheel.radius_m * self.scale_at(depth)).max(4.5);
-        self.pick_point(&wheel.centre, radius, Thing::Pulley(index), at)
+        self.pick_point(&wheel.centre, radius, Pickable::Pulley(index), at)
     }
 
     fn pick_path(&self, path: &[Vec3], index: usize, [x, y]: [f64; 2]) -> Option<Hit> {
@@ -202,7 +202,7 @@ impl Picture<'_> {
         let (distance, depth_m) = pieces.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let beside = (distance - half).max(0.0);
         (beside <= TOLERANCE).then_some(Hit {
-            thing: Thing::Cable(index),
+            thing: Pickable::Cable(index),
             beside,
             depth_m,
         })
@@ -212,7 +212,7 @@ impl Picture<'_> {
         let poses = &self.scene.measured;
         let radius = f64::from(pose_size(poses.len())) / 2.0;
         let hits = poses.iter().filter_map(|pose| {
-            self.pick_point(&pose.position, radius, Thing::Pose(pose.label), at)
+            self.pick_point(&pose.position, radius, Pickable::Pose(pose.label), at)
         });
         hits.min_by(|a, b| {
             let beside = a.beside.total_cmp(&b.beside);
@@ -220,7 +220,13 @@ impl Picture<'_> {
         })
     }
 
-    fn pick_point(&self, point: &Vec3, radius: f64, thing: Thing, [x, y]: [f64; 2]) -> Option<Hit> {
+    fn pick_point(
+        &self,
+        point: &Vec3,
+        radius: f64,
+        thing: Pickable,
+        [x, y]: [f64; 2],
+    ) -> Option<Hit> {
         let seen = self.on_screen(point)?;
         let beside = ((seen.x - x).hypot(seen.y - y) - radius).max(0.0);
         (beside <= TOLERANCE).then_some(Hit {
@@ -293,21 +299,21 @@ mod tests {
                     let ends = &cable.path[cable.path.len() - 2..];
                     let middle = picture.on_screen(&ends[0].lerp(&ends[1], 0.5)).unwrap();
                     let thing = picture.pick(middle.x, middle.y).unwrap();
-                    if thing == Thing::Cable(index) {
+                    if thing == Pickable::Cable(index) {
                         continue;
                     }
                     // In views along an axis, cables cover each other; the picked one must be drawn at this position,
                     // too.
                     let covers = match thing {
-                        Thing::Cable(other) => picture
+                        Pickable::Cable(other) => picture
                             .pick_path(
                                 &picture.scene.cables[other].path,
                                 other,
                                 [middle.x, middle.y],
                             )
                             .is_some_and(|hit| hit.beside == 0.0),
-                        Thing::Platform | Thing::LaserSpot | Thing::Pulley(_) => true,
-                        Thing::Pose(_) => false,
+                        Pickable::Platform | Pickable::LaserSpot | Pickable::Pulley(_) => true,
+                        Pickable::Pose(_) => false,
                     };
                     assert!(covers, "{name}: {thing:?} instead of {index}");
                 }
@@ -333,10 +339,10 @@ mod tests {
         };
         for (index, cable) in scene.cables.iter().enumerate() {
             let seen = picture.on_screen(&cable.wheel.centre).unwrap();
-            assert_eq!(picture.pick(seen.x, seen.y), Some(Thing::Pulley(index)));
+            assert_eq!(picture.pick(seen.x, seen.y), Some(Pickable::Pulley(index)));
         }
         let middle = picture.on_screen(&scene.pose.position).unwrap();
-        assert_eq!(picture.pick(middle.x, middle.y), Some(Thing::Platform));
+        assert_eq!(picture.pick(middle.x, middle.y), Some(Pickable::Platform));
         assert_eq!(picture.pick(5.0, 5.0), None);
         assert_eq!(picture.pulley_near(5.0, 5.0), None);
     }

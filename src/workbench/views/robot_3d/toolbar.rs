@@ -13,7 +13,7 @@ const EXAGGERATION: f32 = 240.0;
 
 /// Requested camera movement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Aim {
+pub enum CameraRequest {
     /// Show everything.
     All,
     /// Inspect the selected pulley, or show everything.
@@ -39,18 +39,18 @@ pub fn show(
     options: &mut Options,
     scene: &Scene,
     (projection, can_frame, maximise): (Projection, bool, Option<&mut bool>),
-) -> Option<Aim> {
+) -> Option<CameraRequest> {
     let besides = scene.besides;
     let mut aim = None;
     let width = ui.available_width();
     let is_wide = width > WIDE;
     ui.horizontal_wrapped(|ui| {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit view (Home)", true).clicked() {
-            aim = Some(Aim::All);
+            aim = Some(CameraRequest::All);
         }
         let near = "Frame selection (Shift+F)";
         if icon_only(ui, icons::ICON_CENTER_FOCUS_STRONG, near, can_frame).clicked() {
-            aim = Some(Aim::Frame);
+            aim = Some(CameraRequest::Frame);
         }
         if let Some(maximise) = maximise {
             let name = "Maximise the 3D view";
@@ -87,7 +87,7 @@ pub fn show(
 }
 
 /// Standard views and projection; returns a requested camera movement.
-fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
+fn views(ui: &mut Ui, projection: Projection) -> Option<CameraRequest> {
     let mut aim = None;
     for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
         let button = egui::Button::new(view.title()).frame_when_inactive(false);
@@ -97,7 +97,7 @@ fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
         };
         let hint = format!("{} view{scale}, key {key}", view.title());
         if ui.add(button).on_hover_text(hint).clicked() {
-            aim = Some(Aim::To(view));
+            aim = Some(CameraRequest::To(view));
         }
     }
     let other = projection.other();
@@ -107,7 +107,7 @@ fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &name));
     let hint = format!("Switch to {} projection", other.title().to_lowercase());
     if response.on_hover_text(hint).clicked() {
-        aim = Some(Aim::Project(other));
+        aim = Some(CameraRequest::Project(other));
     }
     aim
 }

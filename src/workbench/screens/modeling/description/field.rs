@@ -44,7 +44,7 @@ impl<'a> NumberField<'a> {
 }
 
 /// Number of every cable or part of a cable: field, value, setter.
-pub type OfEvery<'a, T> = (NumberField<'a>, f64, fn(&mut T, f64));
+pub type CommonNumber<'a, T> = (NumberField<'a>, f64, fn(&mut T, f64));
 
 pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name)

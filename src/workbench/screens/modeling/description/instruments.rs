@@ -5,7 +5,7 @@ use tautline_core::robot::{
     ForceSensor, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker,
 };
 
-use super::field::{NumberField, OfEvery, change, grid, of_part, one, optional, three};
+use super::field::{CommonNumber, NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{checkbox, section};
 
@@ -54,7 +54,7 @@ fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(sensor) = sensor else {
         return;
     };
-    let fields: [OfEvery<'_, ForceSensor>; 2] = [
+    let fields: [CommonNumber<'_, ForceSensor>; 2] = [
         (
             NumberField::new("Reading per tension", "", 4),
             sensor.tension_gain,

@@ -19,7 +19,7 @@ use crate::model::part::ScreenPart;
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, Selection};
 use crate::widgets::empty;
-use tabs::{Dock, Wish};
+use tabs::{Dock, DockRequest};
 use tree::{Preset, Tree};
 
 pub(crate) use plot_id::PlotId;
@@ -163,16 +163,16 @@ impl Panes {
         tree::area(&self.docked).map_or(1, |area| rows(&area))
     }
 
-    fn apply(&mut self, wish: Wish) {
+    fn apply(&mut self, wish: DockRequest) {
         match wish {
-            Wish::Show(id) => {
+            DockRequest::Show(id) => {
                 self.bring_forward(id);
             }
-            Wish::Detach(id) => {
+            DockRequest::Detach(id) => {
                 self.remove(id);
                 self.detached.insert(id);
             }
-            Wish::Another(of) => {
+            DockRequest::Another(of) => {
                 let free = (1..u8::MAX).map(|copy| PlotId { copy, ..of });
                 let mut free = free.filter(|id| !self.plots.contains_key(id));
                 if let Some(id) = free.next() {
@@ -191,11 +191,11 @@ impl Panes {
                     self.dock(id);
                 }
             }
-            Wish::Close(id) => {
+            DockRequest::Close(id) => {
                 self.remove(id);
                 self.plots.remove(&id);
             }
-            Wish::Arrange(preset) => {
+            DockRequest::Arrange(preset) => {
                 let all = self.plots.keys().filter(|id| !self.detached.contains(id));
                 let all: Vec<PlotId> = all.copied().collect();
                 self.docked = tree::tree("docked plots", &preset.area(&all), &all);
@@ -323,12 +323,12 @@ mod tests {
     fn an_arrangement_is_restored_with_copies_and_detached_plots() {
         let mut panes = Panes::default();
         let variable = PlotId::first(&sources::variable::PLOT);
-        panes.apply(Wish::Another(variable));
+        panes.apply(DockRequest::Another(variable));
         assert_eq!(panes.rows(), 1);
-        panes.apply(Wish::Arrange(Preset::Four));
+        panes.apply(DockRequest::Arrange(Preset::Four));
         assert_eq!(panes.rows(), 2);
-        panes.apply(Wish::Arrange(Preset::Two));
-        panes.apply(Wish::Detach(PlotId::first(&sources::laser::PLOT)));
+        panes.apply(DockRequest::Arrange(Preset::Two));
+        panes.apply(DockRequest::Detach(PlotId::first(&sources::laser::PLOT)));
         let kept = panes.changed().expect("it has changed");
         assert_eq!(kept.detached, ["laser"]);
         let mut restored = Panes::of(&kept);
@@ -340,7 +340,7 @@ mod tests {
         };
         assert!(restored.plots.contains_key(&copy));
         restored.dock(PlotId::first(&sources::laser::PLOT));
-        restored.apply(Wish::Close(copy));
+        restored.apply(DockRequest::Close(copy));
         assert!(!restored.plots.contains_key(&copy) && restored.detached.is_empty());
     }
 }

@@ -27,7 +27,7 @@ const ICON: f32 = 48.0;
 
 /// Requested change of the arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Wish {
+pub(crate) enum DockRequest {
     /// Bring the plot to the front.
     Show(PlotId),
     /// Open the plot in a separate window.
@@ -50,7 +50,7 @@ pub(crate) struct Dock<'a> {
     pub(crate) area: Rect,
     /// Tabs without room.
     pub(crate) hidden: HashSet<TileId>,
-    pub(crate) wish: Option<Wish>,
+    pub(crate) wish: Option<DockRequest>,
 }
 
 impl Dock<'_> {
@@ -66,7 +66,7 @@ impl Dock<'_> {
             Popup::menu(&button).show(|ui| {
                 for preset in Preset::ALL {
                     if ui.button(preset.title()).clicked() {
-                        self.wish = Some(Wish::Arrange(preset));
+                        self.wish = Some(DockRequest::Arrange(preset));
                         ui.close();
                     }
                 }
@@ -85,7 +85,7 @@ impl Dock<'_> {
     }
 
     fn maximise(&mut self, plot: PlotId) {
-        self.wish = Some(Wish::Show(plot));
+        self.wish = Some(DockRequest::Show(plot));
         self.outbox
             .send(ViewCommand::Maximise(Some(ScreenPart::Plots)));
     }
@@ -94,16 +94,16 @@ impl Dock<'_> {
     fn entries(&mut self, ui: &mut Ui, plot: PlotId) {
         let title = plot.title();
         if ui.button(format!("Open {title} in a window")).clicked() {
-            self.wish = Some(Wish::Detach(plot));
+            self.wish = Some(DockRequest::Detach(plot));
             ui.close();
         }
         if plot.kind == &sources::variable::PLOT && ui.button("Another plot by variable").clicked()
         {
-            self.wish = Some(Wish::Another(plot));
+            self.wish = Some(DockRequest::Another(plot));
             ui.close();
         }
         if plot.copy > 0 && ui.button(format!("Close {title}")).clicked() {
-            self.wish = Some(Wish::Close(plot));
+            self.wish = Some(DockRequest::Close(plot));
             ui.close();
         }
     }
@@ -116,7 +116,7 @@ impl Dock<'_> {
                 let missing = (plot.kind.missing)(self.open);
                 let entry = ui.add_enabled(missing.is_none(), Button::new(plot.title()));
                 if entry.clicked() {
-                    self.wish = Some(Wish::Show(*plot));
+                    self.wish = Some(DockRequest::Show(*plot));
                     ui.close();
                 }
                 if let Some(why) = missing {

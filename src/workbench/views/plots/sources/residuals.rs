@@ -8,7 +8,7 @@ use tautline_core::estimation::{Observation, ObservationKind};
 use super::{POSE, over_pose};
 use crate::views::plots::choices::{ResidualUnit, choose};
 use crate::views::plots::kind::{
-    Content, OptionsInput, PlotKind, PlotOptions, Source, Unavailable,
+    Content, OptionsInput, PlotKind, PlotOptions, PlotSource, Unavailable,
 };
 use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
@@ -142,7 +142,7 @@ fn cable_points(
 
 /// Residuals of readings of these kinds, as a series each.
 pub(super) fn of_kinds(
-    source: &Source<'_>,
+    source: &PlotSource<'_>,
     kinds: &[(&str, Ink, Marker, ObservationKind)],
 ) -> Result<Figure, Unavailable> {
     let (fit, unit, excluded) = (source.fit()?, source.options.unit, source.excluded());

@@ -19,7 +19,7 @@ use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::{icon_button, icon_only, muted};
 use columns::VisibleColumns;
-use rows::{Head, Listed, Listing, Of, Order, StatisticsRow, arranged, listing, text};
+use rows::{Head, Listed, Listing, ListingKey, Order, StatisticsRow, arranged, listing, text};
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "statistics",
@@ -47,8 +47,8 @@ pub(crate) struct Statistics {
     /// First visible paged column of each table.
     from: [usize; 2],
     filter: String,
-    all: Memo<Of, Listing>,
-    shown: Memo<(Of, Option<Order>, String), Vec<usize>>,
+    all: Memo<ListingKey, Listing>,
+    shown: Memo<(ListingKey, Option<Order>, String), Vec<usize>>,
 }
 
 /// Draws the table; `hovered` is the selection under the pointer, in all views.
@@ -59,7 +59,7 @@ pub(super) fn show(
     (selection, hovered): (Selection, &mut Selection),
     outbox: &mut Outbox,
 ) {
-    let of = Of {
+    let of = ListingKey {
         listed: state.listed,
         fit: Arc::clone(fit),
     };

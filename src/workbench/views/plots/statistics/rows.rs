@@ -80,12 +80,12 @@ pub(crate) struct Order {
 
 /// Inputs of the rows.
 #[derive(Debug, Clone)]
-pub(crate) struct Of {
+pub(crate) struct ListingKey {
     pub(crate) listed: Listed,
     pub(crate) fit: Arc<Identification>,
 }
 
-impl PartialEq for Of {
+impl PartialEq for ListingKey {
     fn eq(&self, other: &Self) -> bool {
         self.listed == other.listed && same(Some(&self.fit), Some(&other.fit))
     }
@@ -131,7 +131,7 @@ pub(crate) fn text(heads: &[Head], rows: &[StatisticsRow], shown: &[usize]) -> S
 }
 
 /// Table with all rows, in the original order.
-pub(crate) fn listing(of: &Of) -> Listing {
+pub(crate) fn listing(of: &ListingKey) -> Listing {
     match of.listed {
         Listed::Readings => table(&READINGS, reading_statistics(&of.fit), |one| {
             let (cable, pose) = (one.cable, Some(one.pose));

@@ -103,7 +103,7 @@ pub struct Ray {
 
 /// Projection of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct ProjectedPoint {
     /// Share of the width from the left, 0 to 1 within the picture.
     pub u: f64,
     /// Share of the height from the top.
@@ -219,12 +219,12 @@ impl Camera {
 
     /// Projection of `point` (m); `None` behind the eye.
     #[must_use]
-    pub fn project(&self, point: &Vec3, aspect: f64) -> Option<Seen> {
+    pub fn project(&self, point: &Vec3, aspect: f64) -> Option<ProjectedPoint> {
         let [right, up, forward] = self.axes();
         let d = point - self.eye();
         let depth_m = d.dot(&forward);
         let scale = self.height_at(depth_m).recip();
-        (depth_m > 0.01 * self.nearest_m).then(|| Seen {
+        (depth_m > 0.01 * self.nearest_m).then(|| ProjectedPoint {
             u: 0.5 + d.dot(&right) * scale / aspect,
             v: 0.5 - d.dot(&up) * scale,
             depth_m,

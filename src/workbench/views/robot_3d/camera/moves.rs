@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use tautline_core::geometry::Vec3;
 
-use super::{Camera, HALF_OPENING, Projection, Seen, StandardView};
+use super::{Camera, HALF_OPENING, ProjectedPoint, Projection, StandardView};
 
 /// Rotation per point of dragging (rad).
 const ORBIT_RATE: f64 = 0.008;
@@ -98,11 +98,11 @@ impl Camera {
     }
 
     fn centre(&mut self, points: &[Vec3], aspect: f64) {
-        let seen: Vec<Seen> = points
+        let seen: Vec<ProjectedPoint> = points
             .iter()
             .filter_map(|p| self.project(p, aspect))
             .collect();
-        let range = |value: fn(&Seen) -> f64| {
+        let range = |value: fn(&ProjectedPoint) -> f64| {
             let (low, high) = seen
                 .iter()
                 .map(value)

@@ -22,7 +22,7 @@ pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
 
 use super::parts::{SolidPart, paint};
-use super::scene::{Besides, CableView, Displacement, Placed, Scene, Wheel};
+use super::scene::{Besides, CableView, Displacement, PlacedCable, Scene, Wheel};
 use crate::model::Selection;
 use crate::theme::{self, Palette};
 
@@ -178,7 +178,7 @@ impl Drawing {
         }
     }
 
-    fn cable(&mut self, placed: &Placed, look: CableLook) {
+    fn cable(&mut self, placed: &PlacedCable, look: CableLook) {
         for ends in placed.path.windows(2) {
             if let [from, to] = ends {
                 let width = cable_width(look.is_selected);
@@ -220,7 +220,7 @@ impl Drawing {
     fn pulley(
         &mut self,
         cable: &CableView,
-        placed: &Placed,
+        placed: &PlacedCable,
         look: CableLook,
         (scene, options): (&Scene, &Options),
         palette: &Palette,

@@ -11,7 +11,7 @@ use tautline_session::DecisionRule;
 use super::residuals::Residuals;
 use super::{
     Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox,
-    PositionError, Scene, Shown, cable, platform,
+    PositionError, Scene, ShownPose, cable, platform,
 };
 use crate::model::Selection;
 use crate::model::link::LivePlatform;
@@ -96,22 +96,22 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn shown(&self, fitted: &Fitted) -> (Shown, Pose) {
+    fn shown(&self, fitted: &Fitted) -> (ShownPose, Pose) {
         if let Some(live) = self.live {
             let shown = match live.is_stopped {
-                true => Shown::Stopped,
-                false => Shown::Live,
+                true => ShownPose::Stopped,
+                false => ShownPose::Live,
             };
             return (shown, live.pose);
         }
         if let Some(label) = self.selection.pose {
             if let Some((_, pose)) = fitted.get(&label) {
-                return (Shown::Fitted(label), *pose);
+                return (ShownPose::Fitted(label), *pose);
             }
             let rows = &self.measurements.labels;
             let row = rows.iter().position(|l| *l == label);
             if let Some(pose) = row.and_then(|row| given_pose(self.measurements, row)) {
-                return (Shown::Given(label), pose);
+                return (ShownPose::Given(label), pose);
             }
         }
         let middle = || {
@@ -123,18 +123,21 @@ impl<'a> Subject<'a> {
             }
         };
         let home = self.model().home;
-        (Shown::Home, home.map_or_else(middle, |home| home.pose()))
+        (
+            ShownPose::Home,
+            home.map_or_else(middle, |home| home.pose()),
+        )
     }
 
-    fn tensions(&self, shown: Shown) -> Vec<Option<f64>> {
+    fn tensions(&self, shown: ShownPose) -> Vec<Option<f64>> {
         let cables = self.robot.cable_count();
-        if let (Shown::Live | Shown::Stopped, Some(live)) = (shown, self.live) {
+        if let (ShownPose::Live | ShownPose::Stopped, Some(live)) = (shown, self.live) {
             let at = |i: usize| live.tensions_n.get(i).copied().filter(|t| t.is_finite());
             return (0..cables).map(at).collect();
         }
         let label = match shown {
-            Shown::Fitted(label) | Shown::Given(label) => label,
-            Shown::Home | Shown::Live | Shown::Stopped => 0,
+            ShownPose::Fitted(label) | ShownPose::Given(label) => label,
+            ShownPose::Home | ShownPose::Live | ShownPose::Stopped => 0,
         };
         let row = self.measurements.labels.iter().position(|l| *l == label);
         let tension = |(index, cable): (usize, &tautline_core::robot::Cable)| {
@@ -148,14 +151,14 @@ impl<'a> Subject<'a> {
     fn cables(
         &self,
         pose: &Pose,
-        shown: Shown,
+        shown: ShownPose,
         fitted: &Fitted,
         residuals: &Residuals,
     ) -> Vec<CableView> {
         let model = self.model();
         let tensions = self.tensions(shown);
         let row = match shown {
-            Shown::Fitted(label) => fitted.get(&label).map(|(row, _)| *row),
+            ShownPose::Fitted(label) => fitted.get(&label).map(|(row, _)| *row),
             _ => None,
         };
         let own = cable::located(model, pose, &tensions).into_iter();
@@ -176,7 +179,7 @@ impl<'a> Subject<'a> {
                 tension_n: tensions[index],
                 residual: residuals
                     .of_cable(index, row)
-                    .filter(|_| row.is_some() || shown == Shown::Home),
+                    .filter(|_| row.is_some() || shown == ShownPose::Home),
             })
             .collect()
     }

@@ -6,8 +6,8 @@ use tautline_core::robot::{Cable, Robot};
 
 use super::Wheel;
 
-/// Cable with its pulley at a pose.
-pub struct Located {
+/// Path of a cable over its pulley at a pose.
+pub struct CablePath {
     pub wheel: Wheel,
     /// Points from the winch's side to the platform (m).
     pub path: Vec<Vec3>,
@@ -16,7 +16,7 @@ pub struct Located {
 }
 
 /// All cables of `robot` at `pose`; cables with a known tension (N) sag.
-pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<Located> {
+pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<CablePath> {
     let radii = robot.cables.iter().map(|cable| cable.pulley.radius_m);
     let detail = CableDetail {
         // A short piece towards the winch shows where the cable comes from.
@@ -36,13 +36,13 @@ pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<Lo
         .collect()
 }
 
-fn drawn(drawing: CableDrawing) -> Located {
+fn drawn(drawing: CableDrawing) -> CablePath {
     let ends = [drawing.points.get(drawing.exit), drawing.points.last()];
     let free_m = match ends {
         [Some(exit), Some(anchor)] => Some((anchor - exit).norm()),
         _ => None,
     };
-    Located {
+    CablePath {
         wheel: Wheel {
             entry: drawing.entry,
             centre: drawing.pulley_centre,
@@ -54,12 +54,12 @@ fn drawn(drawing: CableDrawing) -> Located {
     }
 }
 
-fn line(cable: &Cable, pose: &Pose) -> Located {
+fn line(cable: &Cable, pose: &Pose) -> CablePath {
     let entry = Vec3::from(cable.pulley.entry_point_m);
     let anchor = pose.transform(&cable.platform_anchor_m.into());
     let axis = Vec3::from(cable.pulley.swivel_axis);
     let across = axis.cross(&(anchor - entry)).try_normalize(1e-9);
-    Located {
+    CablePath {
         wheel: Wheel {
             entry,
             centre: entry,

@@ -93,7 +93,7 @@ impl Displacement {
 
 /// Cable with its pulleys as drawn, with the displacement magnified.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placed {
+pub struct PlacedCable {
     /// Points from the winch's side over the pulley to the platform (m).
     pub path: Vec<Vec3>,
     pub wheel: Wheel,
@@ -116,9 +116,9 @@ impl Scene {
     /// Cable with its pulleys as drawn, with displacements magnified by a factor. The end at the platform stays; the
     /// cable follows its pulley. An index beyond the cables has an empty path.
     #[must_use]
-    pub fn placed(&self, index: usize, magnification: f64) -> Placed {
+    pub fn placed(&self, index: usize, magnification: f64) -> PlacedCable {
         let Some(cable) = self.cables.get(index) else {
-            return Placed {
+            return PlacedCable {
                 path: Vec::new(),
                 wheel: Wheel {
                     entry: Vec3::zeros(),
@@ -133,7 +133,7 @@ impl Scene {
         let more = by * (magnification - 1.0);
         if matches!(self.besides, Besides::Other(_)) {
             // The first session is drawn at its true position.
-            return Placed {
+            return PlacedCable {
                 path: cable.path.clone(),
                 wheel: cable.wheel,
                 other: cable.nominal.map(|wheel| wheel.shifted(&more)),
@@ -146,7 +146,7 @@ impl Scene {
             }
             _ => cable.path.clone(),
         };
-        Placed {
+        PlacedCable {
             path,
             wheel: cable.wheel.shifted(&more),
             other: cable.nominal,

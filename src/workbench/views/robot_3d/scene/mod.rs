@@ -19,7 +19,7 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_session::DecisionRule;
 
 pub use build::Subject;
-pub use displacement::{Displacement, Placed, Significance};
+pub use displacement::{Displacement, PlacedCable, Significance};
 pub use errors::PositionError;
 pub use frame::{Floor, FrameBox};
 pub use measured::{MeasuredPose, MeasuredPoses};
@@ -142,7 +142,7 @@ pub struct LaserView {
 
 /// Source of the shown pose.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Shown {
+pub enum ShownPose {
     /// Home pose, or the middle of the pulleys for a robot without one.
     #[default]
     Home,
@@ -162,7 +162,7 @@ pub struct Scene {
     /// View directions: right, away from the viewer, up.
     pub directions: Directions,
     /// Source of the shown pose.
-    pub shown: Shown,
+    pub shown: ShownPose,
     /// Pose of the platform.
     pub pose: Pose,
     /// Members of the frame and the floor.

@@ -113,11 +113,11 @@ fn the_selected_pose_is_shown_with_its_own_tensions() {
         ..Measurements::default()
     };
     let mut subject = Subject::new(&robot, &data);
-    assert_eq!(subject.scene().shown, Shown::Home);
+    assert_eq!(subject.scene().shown, ShownPose::Home);
     assert_eq!(subject.scene().cables[0].tension_n, Some(40.0));
     subject.selection = Selection::pose(7);
     let scene = subject.scene();
-    assert_eq!((scene.shown, scene.pose), (Shown::Given(7), pose));
+    assert_eq!((scene.shown, scene.pose), (ShownPose::Given(7), pose));
     assert_eq!(scene.cables[0].tension_n, Some(50.0));
     assert_eq!(scene.cables[7].tension_n, None);
     assert_eq!(scene.measured.len(), 1);
