@@ -9,7 +9,7 @@ use tautline_session::Session;
 use super::offscreen::render_scene;
 use super::robot_3d::camera::{Camera, StandardView};
 use super::robot_3d::drawing::Options;
-use super::robot_3d::scene::Subject;
+use super::robot_3d::scene::SceneInputs;
 use tautline_workflow::identification::Identification;
 
 /// Width and height (points of the screen).
@@ -27,9 +27,9 @@ pub fn report_picture(
     fit: Option<&Identification>,
     pinned: &BTreeSet<usize>,
 ) -> Result<Vec<u8>, String> {
-    let subject = Subject {
+    let subject = SceneInputs {
         fit,
-        ..Subject::new(&session.robot, &session.measurements)
+        ..SceneInputs::new(&session.robot, &session.measurements)
     };
     let scene = subject.scene();
     let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);

@@ -15,7 +15,7 @@ use tautline_workbench::views::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
 use tautline_workbench::views::robot_3d::picking::{Pickable, Picture};
-use tautline_workbench::views::robot_3d::scene::{CableView, Scene, Subject};
+use tautline_workbench::views::robot_3d::scene::{CableView, Scene, SceneInputs};
 
 use crate::robot_3d::{in_window, open, session_of};
 use crate::support::options;
@@ -23,7 +23,7 @@ use crate::support::options;
 const SIZE: [u32; 2] = [900, 600];
 
 fn scene_of(robot: &Robot) -> Scene {
-    Subject::new(robot, &Measurements::default()).scene()
+    SceneInputs::new(robot, &Measurements::default()).scene()
 }
 
 fn preset(name: &str) -> Robot {

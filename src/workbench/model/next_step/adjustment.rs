@@ -3,7 +3,7 @@
 use tautline_link::adjusting::Difference;
 use tautline_session::{Outcome, Session, Stage};
 
-use super::{Action, NextStep, Sign, connecting, identification, of_controller, status};
+use super::{Action, NextStep, Problem, connecting, identification, of_controller, status};
 use crate::model::command::{ReportCommand, RobotCommand};
 use crate::model::phase::{Phase, PhaseStatus, Progress};
 use crate::model::{Model, OpenSession};
@@ -14,20 +14,20 @@ use tautline_workflow::report::ReportFormat;
 use tautline_workflow::wording::{count, sentence};
 
 /// Problems of the identified values, the controller, and the last adjustment and verification.
-pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
+pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
     let session = open.session();
-    let mut signs: Vec<Sign> = of_values(model, open).into_iter().collect();
-    signs.extend(of_controller(model));
+    let mut problems: Vec<Problem> = of_values(model, open).into_iter().collect();
+    problems.extend(of_controller(model));
     let review = model.review();
     let with_controller = |text: &str, (action, then): (Action, &'static str)| {
         let (action, then) = connecting(model, session).unwrap_or((Some(action), then));
-        Sign::new(text, action, then)
+        Problem::new(text, action, then)
     };
-    signs.extend(
+    problems.extend(
         match session.adjustments().last().map(|last| &last.outcome) {
             Some(Outcome::Failed(why)) if !open.fit_is_current() => {
                 let (action, then) = unidentified(open);
-                Some(Sign::new(why, Some(action), then))
+                Some(Problem::new(why, Some(action), then))
             }
             Some(Outcome::Failed(why)) => Some(with_controller(why, write(session, &review.lines))),
             Some(Outcome::Begun | Outcome::Unsettled(_)) => {
@@ -39,8 +39,8 @@ pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
             _ => None,
         },
     );
-    signs.extend(adjusting::refusal(&review.lines).map(|why| {
-        Sign::new(
+    problems.extend(adjusting::refusal(&review.lines).map(|why| {
+        Problem::new(
             sentence(&why),
             None,
             "End the correction at the controller first.",
@@ -51,24 +51,24 @@ pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
         let back = Action::new("Roll back the values", RobotCommand::RollBack);
         let text = "The robot is less accurate than before.";
         let then = "Take the values back, then diagnose the model.";
-        signs.push(with_controller(text, (back, then)));
+        problems.push(with_controller(text, (back, then)));
     }
     if let Err(error) = before_and_after(session) {
-        signs.push(with_controller(&error, measure(session, Stage::After)));
+        problems.push(with_controller(&error, measure(session, Stage::After)));
     }
-    signs
+    problems
 }
 
 /// Problem in phase 4 that affects the values to be written.
 #[must_use]
-pub fn of_values(model: &Model, open: &OpenSession) -> Option<Sign> {
+pub fn of_values(model: &Model, open: &OpenSession) -> Option<Problem> {
     if !open.fit_is_current() {
         return None;
     }
-    let sign = identification::of_values(model, open).into_iter().next()?;
+    let problem = identification::of_values(model, open).into_iter().next()?;
     let then = "Its values can make the robot less accurate.";
     let go = Action::go(Phase::Identification);
-    Some(Sign::new(sign.text, Some(go), then))
+    Some(Problem::new(problem.text, Some(go), then))
 }
 
 /// Step before anything can be written: measure the poses or identify the pulleys.

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::{Finding, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_core::planning::USUAL_POSES;
 
-use super::{Action, NextStep, Sign, identify, plan, status};
+use super::{Action, NextStep, Problem, identify, plan, status};
 use crate::model::command::{FileCommand, IdentificationCommand, ImportCommand, RecordingCommand};
 use crate::model::phase::Phase;
 use crate::model::{Model, OpenSession, findings};
@@ -44,60 +44,66 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
 }
 
 /// Problems of the readings and the model, and undecided findings of the diagnosis.
-pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
-    let mut signs = of_values(model, open);
+pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
+    let mut problems = of_values(model, open);
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
     if let Some(diagnosed) = diagnosed {
         let undecided = findings::undecided(open, diagnosed);
         let step = of_findings(model, diagnosed, &undecided);
-        signs.extend(step.map(|(action, then)| {
+        problems.extend(step.map(|(action, then)| {
             let text = format!("{} to look at.", count(undecided.len(), "finding"));
-            Sign::new(text, Some(action), then)
+            Problem::new(text, Some(action), then)
         }));
     }
-    signs
+    problems
 }
 
 /// Problems of readings and fit that rule out using the values.
-pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Sign> {
+pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Problem> {
     if open.session().measurements.is_empty() {
         return Vec::new();
     }
     let checks = checked(model, open);
-    let mut signs: Vec<Sign> = checks.into_iter().filter_map(|(_, sign)| sign).collect();
+    let mut problems: Vec<Problem> = checks
+        .into_iter()
+        .filter_map(|(_, problem)| problem)
+        .collect();
     let written = foreign_writes::sentences(open.session()).into_iter();
-    signs.extend(written.map(|text| {
+    problems.extend(written.map(|text| {
         let (action, then) = measure_again(Vec::new());
-        Sign::new(text, Some(action), then)
+        Problem::new(text, Some(action), then)
     }));
     if let Some(fit) = open.fit().filter(|_| open.fit_is_current()) {
-        signs.extend(of_fit(model, open, fit));
+        problems.extend(of_fit(model, open, fit));
     }
-    signs
+    problems
 }
 
 /// Checks of the readings, each with its problem unless the model explains the readings.
 #[must_use]
-pub fn checked<'m>(model: &'m Model, open: &'m OpenSession) -> Vec<(&'m CheckItem, Option<Sign>)> {
+pub fn checked<'m>(
+    model: &'m Model,
+    open: &'m OpenSession,
+) -> Vec<(&'m CheckItem, Option<Problem>)> {
     let whole = model.identification.readiness.as_ref();
     let whole = whole.filter(|(of, _)| *of == open.inputs());
     let items = whole.map_or(open.checked_readings(), |(_, found)| &found.checks);
     let fit = open.fit().filter(|_| open.fit_is_current());
     let is_explained =
         fit.is_some_and(|fit| FitVerdict::of(fit.solution.p_value()) == FitVerdict::Adequate);
-    let sign = |item: &CheckItem| {
+    let problem = |item: &CheckItem| {
         (item.outcome == CheckOutcome::Fail && !is_explained).then(|| {
             let (action, then) = of_check(model, open, item);
             let advice = item.action.clone();
             let text = format!("{}: {}", item.title(), item.sentence);
-            Sign::new(
+            Problem::new(
                 text,
                 Some(action),
                 advice.unwrap_or_else(|| then.to_owned()),
             )
         })
     };
-    items.iter().map(|item| (item, sign(item))).collect()
+    items.iter().map(|item| (item, problem(item))).collect()
 }
 
 /// Remedy of a failed check: a wrong sign, unit or channel is corrected in the recipe, if any, otherwise by the doctor.
@@ -117,10 +123,10 @@ fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Remedy {
 
 /// Problems of a fit.
 #[must_use]
-pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Sign> {
-    let mut signs = Vec::new();
+pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Problem> {
+    let mut problems = Vec::new();
     let mut add = |text: String, (action, then): Remedy| {
-        signs.push(Sign::new(text, Some(action), then));
+        problems.push(Problem::new(text, Some(action), then));
     };
     if !fit.solution.converged() {
         let text = "The identification did not converge: do not use these values.";
@@ -140,7 +146,7 @@ pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Si
         let text = format!("{}.", sentence(FitVerdict::Inadequate.words()));
         add(text, of_model(model, open));
     }
-    signs
+    problems
 }
 
 /// Remedy of a model that does not explain the readings.

@@ -1,6 +1,6 @@
 //! Next step of phase 3: plan, connect, arm, measure.
 
-use super::{Action, NextStep, Sign, connecting, identify, of_controller, plan, status};
+use super::{Action, NextStep, Problem, connecting, identify, of_controller, plan, status};
 use crate::model::command::{ImportCommand, RobotCommand};
 use crate::model::link::{LinkRequest, RunLog};
 use crate::model::phase::{Phase, Progress};
@@ -44,26 +44,26 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
 }
 
 /// Problems before and during measuring.
-pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
-    let signs = failed_save(model).into_iter().chain(no_home(open));
-    signs.chain(of_controller(model)).collect()
+pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
+    let problems = failed_save(model).into_iter().chain(no_home(open));
+    problems.chain(of_controller(model)).collect()
 }
 
 /// Measured pose that could not be stored.
 #[must_use]
-pub fn failed_save(model: &Model) -> Option<Sign> {
+pub fn failed_save(model: &Model) -> Option<Problem> {
     let pending = model.link.pending.as_ref();
     let label = pending.filter(|pending| pending.failed)?.pose.label();
     let text = format!(
         "Pose {label} was measured but could not be saved. The run is paused: free disk space or fix permissions, then retry."
     );
     let retry = Action::new("Retry save", RobotCommand::RetrySave);
-    Some(Sign::new(text, Some(retry), "Then: the run goes on."))
+    Some(Problem::new(text, Some(retry), "Then: the run goes on."))
 }
 
 /// Missing home pose, to which revolutions refer.
 #[must_use]
-pub fn no_home(open: &OpenSession) -> Option<Sign> {
+pub fn no_home(open: &OpenSession) -> Option<Problem> {
     let session = open.session();
     if session.robot.home.is_some() || !session.measurements.length_m.is_empty() {
         return None;
@@ -71,7 +71,7 @@ pub fn no_home(open: &OpenSession) -> Option<Sign> {
     let text = "This robot has no home pose, so revolutions have no reference. Measure it first.";
     let measure = Action::new("Measure the home pose", ImportCommand::Show(Table::Home));
     let then = "On the home platform, or with another instrument.";
-    Some(Sign::new(text, Some(measure), then))
+    Some(Problem::new(text, Some(measure), then))
 }
 
 /// Running measurement without a problem.

@@ -5,12 +5,12 @@ mod adjustment;
 mod bench;
 mod identification;
 mod measuring;
-mod sign;
+mod problem;
 
 pub use adjustment::of_values;
 pub use identification::{checked, of_fit};
 pub use measuring::{failed_save, no_home};
-pub use sign::Sign;
+pub use problem::Problem;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tautline_link::Activity;
@@ -114,8 +114,8 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
     if let Some(running) = running(model, phase) {
         return Some(running);
     }
-    let mut signs = signs(model, phase);
-    if signs.is_empty() {
+    let mut problems = problems(model, phase);
+    if problems.is_empty() {
         let step = match phase {
             Phase::Precalibration | Phase::Modeling => bench::of(model, (open, phase), poses),
             Phase::Measuring => measuring::of(model, open, poses),
@@ -123,8 +123,8 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
             Phase::Adjustment => adjustment::of(model, open),
         };
         let works_in = step.action.as_ref().and_then(Action::works_in);
-        signs = works_in.map_or_else(Vec::new, |other| self::signs(model, other));
-        if signs.is_empty() {
+        problems = works_in.map_or_else(Vec::new, |other| self::problems(model, other));
+        if problems.is_empty() {
             return Some(step);
         }
     }
@@ -132,21 +132,21 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
         progress: Progress::Attention,
         ..status(model, open, phase)
     };
-    let Sign { remedy, then, .. } = signs.swap_remove(0);
+    let Problem { remedy, then, .. } = problems.swap_remove(0);
     Some(NextStep::new(status, remedy, then))
 }
 
 /// Problems of a phase, most urgent first, shown in red. Empty without a session.
 #[must_use]
-pub fn signs(model: &Model, phase: Phase) -> Vec<Sign> {
+pub fn problems(model: &Model, phase: Phase) -> Vec<Problem> {
     let Some(open) = &model.open else {
         return Vec::new();
     };
     match phase {
-        Phase::Precalibration | Phase::Modeling => bench::signs(open, phase),
-        Phase::Measuring => measuring::signs(model, open),
-        Phase::Identification => identification::signs(model, open),
-        Phase::Adjustment => adjustment::signs(model, open),
+        Phase::Precalibration | Phase::Modeling => bench::problems(open, phase),
+        Phase::Measuring => measuring::problems(model, open),
+        Phase::Identification => identification::problems(model, open),
+        Phase::Adjustment => adjustment::problems(model, open),
     }
 }
 
@@ -218,18 +218,18 @@ fn moving(model: &Model) -> Option<NextStep> {
 }
 
 /// Problem of the controller.
-fn of_controller(model: &Model) -> Option<Sign> {
+fn of_controller(model: &Model) -> Option<Problem> {
     let live = model.link.live();
     if live.lost.is_some() {
         let now = Action::new("Reconnect now", LinkRequest::TryNow);
         let then = "Tautline reconnects by itself, too.";
-        return Some(Sign::new("The connection is lost.", Some(now), then));
+        return Some(Problem::new("The connection is lost.", Some(now), then));
     }
     let Activity::Fault(text) = live.state?.activity else {
         return None;
     };
     let then = "Clear the fault at the controller: nothing moves before.";
-    Some(Sign::new(format!("Fault: {text}"), None, then))
+    Some(Problem::new(format!("Fault: {text}"), None, then))
 }
 
 /// Step that connects and arms the controller of the session; `None` once that is done.

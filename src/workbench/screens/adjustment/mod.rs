@@ -75,8 +75,12 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 
 /// Warns against values that could make the robot less accurate.
 fn doubt(ui: &mut Ui, model: &Model, open: &OpenSession) {
-    if let Some(sign) = of_values(model, open) {
-        verdict(ui, Verdict::Bad, &format!("{} {}", sign.text, sign.then));
+    if let Some(problem) = of_values(model, open) {
+        verdict(
+            ui,
+            Verdict::Bad,
+            &format!("{} {}", problem.text, problem.then),
+        );
     }
 }
 

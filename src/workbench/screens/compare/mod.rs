@@ -15,7 +15,7 @@ use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
 use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
-use crate::views::robot_3d::scene::{Scene, Subject};
+use crate::views::robot_3d::scene::{Scene, SceneInputs};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{Verdict, empty, muted, one_part, panel_frame, section, verdict};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
@@ -47,9 +47,9 @@ impl Drawn {
     fn new(compared: &Arc<Compared>) -> Self {
         let fits = compared.runs.each_ref().map(|run| run.fit.as_ref());
         let [first, _] = fits;
-        let subject = Subject {
+        let subject = SceneInputs {
             fit: Some(first),
-            ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+            ..SceneInputs::new(&first.dataset.robot, &first.dataset.measurements)
         };
         Self {
             scene: Arc::new(subject.scene().compared(&compared.comparison)),

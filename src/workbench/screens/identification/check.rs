@@ -8,7 +8,7 @@ use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE};
 
 use super::Panel;
 use crate::model::command::{IdentificationCommand, READINESS, Readiness, RecordingCommand};
-use crate::model::next_step::{Sign, checked};
+use crate::model::next_step::{Problem, checked};
 use crate::widgets::{Verdict, fault_window, muted, section, verdict};
 
 /// Number of warnings of the measuring run that are listed without expanding.
@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let open = panel.open;
     let items = checked(panel.model, open);
     // Passed checks are collapsed once there is a result.
-    let is_well = items.iter().all(|(_, sign)| sign.is_none());
+    let is_well = items.iter().all(|(_, problem)| problem.is_none());
     if is_well && open.fit_is_current() {
         verdict(
             ui,
@@ -85,10 +85,10 @@ fn warnings(ui: &mut Ui, session: &Session) {
         });
 }
 
-fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, sign): &(&CheckItem, Option<Sign>)) {
+fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, problem): &(&CheckItem, Option<Problem>)) {
     let kind = match item.outcome {
         CheckOutcome::Pass => Verdict::Good,
-        CheckOutcome::Fail if sign.is_some() => Verdict::Bad,
+        CheckOutcome::Fail if problem.is_some() => Verdict::Bad,
         CheckOutcome::Notice | CheckOutcome::Fail => Verdict::Doubtful,
         CheckOutcome::NotEvaluated => Verdict::Neutral,
     };

@@ -59,8 +59,8 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         true => Verdict::Bad,
         false => Verdict::Neutral,
     };
-    for sign in of_fit(panel.model, panel.open, fit) {
-        verdict(ui, wrong, &sign.text);
+    for problem in of_fit(panel.model, panel.open, fit) {
+        verdict(ui, wrong, &problem.text);
     }
     let explains = FitVerdict::of(solution.p_value());
     let kind = match explains {

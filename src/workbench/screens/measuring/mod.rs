@@ -132,8 +132,8 @@ fn instruments(ui: &mut Ui, model: &Model) {
             "This robot has no force sensors: elongation and sag of the cables are not corrected.",
         );
     }
-    if let Some(sign) = no_home(open) {
-        verdict(ui, Verdict::Bad, &sign.text);
+    if let Some(problem) = no_home(open) {
+        verdict(ui, Verdict::Bad, &problem.text);
     }
 }
 

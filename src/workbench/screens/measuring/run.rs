@@ -161,10 +161,10 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 
 /// Measured pose that could not be stored.
 fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(sign) = failed_save(model) else {
+    let Some(problem) = failed_save(model) else {
         return;
     };
-    verdict(ui, Verdict::Bad, &sign.text);
+    verdict(ui, Verdict::Bad, &problem.text);
     if ui.button("Retry save").clicked() {
         outbox.send(RobotCommand::RetrySave);
     }

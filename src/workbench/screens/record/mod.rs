@@ -23,7 +23,7 @@ use crate::model::part::ScreenPart;
 use crate::model::record::{CheckedPair, OpenRecord};
 use crate::theme::GRID;
 use crate::views::ViewStates;
-use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SideNames, Subject};
+use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SceneInputs, SideNames};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
     Entered, Number, Verdict, choice, empty, muted, number_checked, one_part, panel_frame, section,
@@ -304,9 +304,9 @@ fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
 /// Pulleys of the first session, and of the shown one.
 fn scene(open: &OpenRecord, shown: usize) -> Scene {
     let first = &open.record.sessions[0].identification;
-    let subject = Subject {
+    let subject = SceneInputs {
         fit: Some(first),
-        ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+        ..SceneInputs::new(&first.dataset.robot, &first.dataset.measurements)
     };
     let cables = 0..open.record.robot().cables.len();
     let paths = PulleyPaths {

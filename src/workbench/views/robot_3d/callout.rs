@@ -109,13 +109,13 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::views::robot_3d::scene::Subject;
+    use crate::views::robot_3d::scene::SceneInputs;
 
     #[test]
     fn a_callout_says_where_and_how_far_with_its_standard_deviation() {
         let robot = presets::find("mini").expect("a preset").robot;
         let data = Measurements::default();
-        let mut cable = Subject::new(&robot, &data).scene().cables[0].clone();
+        let mut cable = SceneInputs::new(&robot, &data).scene().cables[0].clone();
         cable.wheel.entry = Vec3::new(0.5012, -0.378, 0.4415);
         assert_eq!(
             words(&cable),

@@ -215,12 +215,12 @@ mod tests {
     use crate::views::robot_3d::camera::{Camera, StandardView};
     use crate::views::robot_3d::drawing::Options;
     use crate::views::robot_3d::parts::SolidPart;
-    use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
+    use crate::views::robot_3d::scene::{Displacement, Scene, SceneInputs, SideNames};
 
     /// Scene of a preset whose pulleys are up to 5 mm from the drawing.
     fn scene_of(name: &str, random: &mut ChaCha8Rng) -> Scene {
         let robot = presets::find(name).unwrap().robot;
-        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         scene.besides = Besides::Drawing;
         for cable in &mut scene.cables {
             let by = Vec3::from_fn(|_, _| random.random_range(-5e-3..5e-3));

@@ -37,7 +37,7 @@ use keys::{DrawingKey, PosesKey, SceneKey, planned};
 use navigation::Navigation;
 use picking::{Pickable, Picture};
 use picture::{PictureRequest, Target};
-use scene::{Scene, ShownPose, Subject};
+use scene::{Scene, SceneInputs, ShownPose};
 
 pub use toolbar::CameraRequest;
 
@@ -130,7 +130,7 @@ impl Robot3d {
             (true, None) => scene::errors::of_session(session),
             (false, _) => Vec::new(),
         };
-        let subject = Subject {
+        let subject = SceneInputs {
             errors: &errors,
             robot: &session.robot,
             measurements: &session.measurements,

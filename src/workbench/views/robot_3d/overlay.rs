@@ -260,12 +260,12 @@ pub(super) mod tests {
 
     use super::*;
     use crate::views::robot_3d::camera::{Camera, StandardView};
-    use crate::views::robot_3d::scene::{MeasuredPose, MeasuredPoses, Scene, Subject};
+    use crate::views::robot_3d::scene::{MeasuredPose, MeasuredPoses, Scene, SceneInputs};
 
     /// MINI, identified, with a pose.
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
-        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         scene.besides = Besides::Drawing;
         let pose = MeasuredPose {
             label: 1,

@@ -272,11 +272,11 @@ mod tests {
 
     use super::*;
     use crate::views::robot_3d::camera::StandardView;
-    use crate::views::robot_3d::scene::Subject;
+    use crate::views::robot_3d::scene::SceneInputs;
 
     fn with_picture(name: &str, check: impl Fn(&Picture<'_>)) {
         let robot = presets::find(name).unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let size = [900.0, 600.0];
         let options = Options::default();
         for view in StandardView::ALL {
@@ -324,7 +324,7 @@ mod tests {
     #[test]
     fn pulleys_are_picked_and_empty_space_is_not() {
         let robot = presets::find("mini").unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let camera = Camera::new(
             scene.directions,
             StandardView::Isometric,

@@ -131,7 +131,7 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::views::robot_3d::scene::Subject;
+    use crate::views::robot_3d::scene::SceneInputs;
 
     #[test]
     fn a_cable_says_what_and_how_much() {
@@ -143,7 +143,7 @@ mod tests {
             force_n,
             ..Measurements::default()
         };
-        let mut scene = Subject::new(&robot, &data).scene();
+        let mut scene = SceneInputs::new(&robot, &data).scene();
         scene.cables[2].residual = Some(Residual::One(2.06));
         scene.cables[2].free_m = Some(1.20337);
         assert_eq!(

@@ -101,11 +101,11 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::views::robot_3d::scene::{Displacement, Subject};
+    use crate::views::robot_3d::scene::{Displacement, SceneInputs};
 
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
-        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         scene.besides = Besides::Drawing;
         scene.tolerance_m = Some(2e-3);
         for cable in &mut scene.cables {

@@ -64,7 +64,7 @@ mod tests {
 
     use super::*;
     use crate::theme;
-    use crate::views::robot_3d::scene::{Displacement, PulleyPaths, SideNames, Subject};
+    use crate::views::robot_3d::scene::{Displacement, PulleyPaths, SceneInputs, SideNames};
 
     const CABLE: usize = 2;
 
@@ -90,7 +90,7 @@ mod tests {
         });
         let displacements: Vec<Displacement> = displacements.collect();
         let nothing = Measurements::default();
-        let mut scene = Subject::new(&robot, &nothing).scene();
+        let mut scene = SceneInputs::new(&robot, &nothing).scene();
         scene = scene.beside(names, displacements);
         scene.paths = Some(PulleyPaths { by, date });
         scene

@@ -126,7 +126,7 @@ mod tests {
 
     use super::*;
     use crate::views::robot_3d::drawing::{Drawing, Options};
-    use crate::views::robot_3d::scene::{MeasuredPoses, Subject};
+    use crate::views::robot_3d::scene::{MeasuredPoses, SceneInputs};
 
     fn poses(count: i64) -> Vec<MeasuredPose> {
         let pose = |label: i64| MeasuredPose {
@@ -158,7 +158,7 @@ mod tests {
     fn once_the_camera_rests_every_pose_is_drawn() {
         let robot = tautline_core::robot::presets::find("mini").unwrap().robot;
         let nothing = tautline_core::measurement::Measurements::default();
-        let mut scene = Subject::new(&robot, &nothing).scene();
+        let mut scene = SceneInputs::new(&robot, &nothing).scene();
         let draw = |scene: &Scene| {
             let drawing = Drawing::new(
                 scene,

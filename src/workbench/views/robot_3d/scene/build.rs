@@ -21,7 +21,7 @@ use tautline_workflow::wording::cable_label;
 
 /// Inputs of a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
+pub struct SceneInputs<'a> {
     /// Robot of the drawings.
     pub robot: &'a Robot,
     pub measurements: &'a Measurements,
@@ -37,7 +37,7 @@ pub struct Subject<'a> {
     pub errors: &'a [PositionError],
 }
 
-impl<'a> Subject<'a> {
+impl<'a> SceneInputs<'a> {
     /// Robot alone, at home.
     #[must_use]
     pub fn new(robot: &'a Robot, measurements: &'a Measurements) -> Self {

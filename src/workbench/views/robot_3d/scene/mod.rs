@@ -18,7 +18,7 @@ use std::sync::Arc;
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_session::DecisionRule;
 
-pub use build::Subject;
+pub use build::SceneInputs;
 pub use displacement::{Displacement, PlacedCable, Significance};
 pub use errors::PositionError;
 pub use frame::{Floor, FrameBox};

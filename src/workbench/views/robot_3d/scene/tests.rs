@@ -12,7 +12,7 @@ use crate::model::Selection;
 fn the_cable_runs_from_the_entry_over_the_rim_in_the_plane_of_its_wheel() {
     for name in presets::NAMES {
         let robot = presets::find(name).unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let states = inverse_kinematics(&robot, &scene.pose).unwrap();
         for (cable, state) in scene.cables.iter().zip(&states) {
             let wheel = &cable.wheel;
@@ -50,7 +50,7 @@ fn sag_adds_the_length_that_the_model_has() {
         force_n,
         ..Measurements::default()
     };
-    let scene = Subject::new(&robot, &data).scene();
+    let scene = SceneInputs::new(&robot, &data).scene();
     for (cable, description) in scene.cables.iter().zip(&robot.cables) {
         assert_eq!(cable.tension_n, Some(tension_n));
         let free = cable.free_m.unwrap();
@@ -74,7 +74,7 @@ fn sag_adds_the_length_that_the_model_has() {
 fn the_frame_holds_the_pulleys_and_stands_on_the_floor() {
     for name in presets::NAMES {
         let robot = presets::find(name).unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let local = scene.directions.transpose();
         let heights = scene.frame.corners.iter().map(|c| (local * c).z);
         let lowest = heights.fold(f64::INFINITY, f64::min);
@@ -112,7 +112,7 @@ fn the_selected_pose_is_shown_with_its_own_tensions() {
         force_n,
         ..Measurements::default()
     };
-    let mut subject = Subject::new(&robot, &data);
+    let mut subject = SceneInputs::new(&robot, &data);
     assert_eq!(subject.scene().shown, ShownPose::Home);
     assert_eq!(subject.scene().cables[0].tension_n, Some(40.0));
     subject.selection = Selection::pose(7);

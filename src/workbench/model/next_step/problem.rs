@@ -4,7 +4,7 @@ use super::Action;
 
 /// Problem, shown in red on a screen.
 #[derive(Debug, Clone)]
-pub struct Sign {
+pub struct Problem {
     pub text: String,
     /// Remedy; `None` if no button can do it.
     pub remedy: Option<Action>,
@@ -12,7 +12,7 @@ pub struct Sign {
     pub then: String,
 }
 
-impl Sign {
+impl Problem {
     pub(super) fn new(
         text: impl Into<String>,
         remedy: Option<Action>,
