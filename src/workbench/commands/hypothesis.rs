@@ -144,7 +144,7 @@ fn save_in_session(model: &mut Model) -> bool {
     if is_taken {
         keep_text(model);
     } else {
-        let text = "The session has as many hypotheses as it can: take one out first.";
+        let text = "The session cannot have more hypotheses: remove one first.";
         model.messages.failure(Cause::Entry, text);
     }
     is_taken

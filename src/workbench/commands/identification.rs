@@ -433,7 +433,7 @@ fn take_diagnosis(open: &mut OpenSession, inputs: u64, examined: DiagnosisResult
     }
     match is_clean {
         true if is_gross => {
-            "Diagnosis finished: no part is at fault, but see what is said of the readings or the drawing.".to_owned()
+            "Diagnosis finished: no faulty part, but see the findings on the readings or the drawing.".to_owned()
         }
         true => "Diagnosis finished: nothing was found.".to_owned(),
         false => format!("Diagnosis finished with {found}."),

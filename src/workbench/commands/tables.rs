@@ -69,6 +69,6 @@ fn into(open: &mut OpenSession, file: &str, table: Import) -> Result<Phase, Stri
             open.append(|session| session.measurements = *measurements);
             Ok(Phase::Measuring)
         }
-        _ => Err(format!("{file}: is no table that a session takes.")),
+        _ => Err(format!("{file}: not a table that a session can have.")),
     }
 }

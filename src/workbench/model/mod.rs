@@ -385,7 +385,7 @@ impl Model {
 fn folders(messages: &mut Messages) -> Folders {
     Folders::of_user().unwrap_or_else(|error| {
         messages.warning(format!(
-            "{error}; what is not saved is kept in a temporary folder."
+            "{error}; unsaved sessions are kept in a temporary folder."
         ));
         Folders::below(&std::env::temp_dir().join("tautline"))
     })

@@ -43,7 +43,7 @@ fn leaving(ui: &mut Ui, state: &mut AppState) {
         );
         if is_unsaved {
             let name = model.open.as_ref().map_or("", |open| &open.session().name);
-            ui.label(format!("{name} has changes that no file has yet."));
+            ui.label(format!("{name} is not saved."));
         }
         if model.link.can_move() {
             let text = format!(
@@ -203,7 +203,7 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
         }
         ui.add_space(2.0 * GRID);
         let is_named = !draft.operator.trim().is_empty();
-        let hint = "Enter your name: who writes is kept in the record";
+        let hint = "Enter your name: it is kept in the record";
         ui.horizontal(|ui| {
             let (wanted, cancelled) = match is_sound {
                 true => (

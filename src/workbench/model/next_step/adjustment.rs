@@ -33,7 +33,7 @@ pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
             Some(Outcome::Begun | Outcome::Unsettled(_)) => {
                 let settle = Action::new("Settle the interrupted values", RobotCommand::Arm);
                 let text = model.unsettled().unwrap_or_default();
-                let then = "Nothing moves and nothing is written before.";
+                let then = "Until then, nothing moves and nothing is written.";
                 Some(with_controller(&text, (settle, then)))
             }
             _ => None,

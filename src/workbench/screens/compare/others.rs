@@ -105,7 +105,7 @@ fn plane(ui: &mut Ui, compared: &Comparison) {
 
 const CHANGES: [TableColumn<'_>; 2] = [
     TableColumn::words("Coordinate"),
-    TableColumn::number("B less A ± standard deviation", ""),
+    TableColumn::number("B minus A ± standard deviation", ""),
 ];
 
 fn motion(ui: &mut Ui, compared: &Comparison) {
@@ -127,7 +127,7 @@ fn motion(ui: &mut Ui, compared: &Comparison) {
     muted(
         ui,
         &format!(
-            "{told}It is no change of the robot: each session counts from its own home pose. It is taken out above."
+            "{told}Not a change of the robot: each session counts from its own home pose. It is removed above."
         ),
     );
     let sd = |k: usize| motion.covariance[(k, k)].max(0.0).sqrt();

@@ -19,7 +19,7 @@ pub fn show(
     compared: &Comparison,
     outbox: &mut Outbox,
 ) -> Option<usize> {
-    section(ui, "Pulleys, B less A");
+    section(ui, "Pulleys, B minus A");
     let columns = [
         TableColumn::words("Cable"),
         TableColumn::number("x", "mm"),

@@ -237,7 +237,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
     }
     wrapped(
         ui,
-        "Without a choice the best security is used that the server offers. A session keeps the name or the paths, never a password or a key. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
+        "By default, the best security that the server offers is used. A session keeps the name or the paths, never a password or a key. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
     );
 }
 

@@ -317,14 +317,14 @@ pub fn actions(
         back_to_import(ui, panel);
     }
     if cause.effect().is_damage() {
-        let when = "It does not last: repair it, then measure the same poses again. The present readings stay in their file.";
+        let when = "Damage: repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, (name, when));
-        let when = "Only for these readings: the next ones will not have it in the same way.";
+        let when = "Happened once: explains these readings only.";
         add(ui, panel, settings, (name, when));
     } else {
-        let when = "It lasts: its size is identified, and the controller can correct for it.";
+        let when = "Permanent: correct it in the controller.";
         add(ui, panel, settings.clone(), (name, when));
-        let when = "If the workshop removes it: the same poses again. The present readings stay in their file.";
+        let when = "Repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, (name, when));
     }
 }

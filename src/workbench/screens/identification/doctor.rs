@@ -87,7 +87,7 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     if panel.open.diagnosis_is_current() && !panel.open.is_model_diagnosed() {
         muted(
             ui,
-            "Diagnosed before the last additions; it holds until its findings are in the model.",
+            "This diagnosis led to the present model. Diagnose again to check it.",
         );
     } else {
         judgement(ui, diagnosed);

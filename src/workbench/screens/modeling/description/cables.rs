@@ -300,7 +300,7 @@ fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
     if !is_free {
         muted(
             ui,
-            "The session has measured poses: the number of cables is theirs.",
+            "The session has measured poses: the number of cables is fixed.",
         );
     }
 }
