@@ -1,6 +1,6 @@
-//! The Tautline program: the window.
+//! The window of the Tautline program.
 
-// Its items are public for the tests alone.
+// Items are public only for the tests.
 #![allow(missing_docs)]
 
 mod commands;

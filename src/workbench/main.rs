@@ -1,4 +1,4 @@
-//! The `tautline` program: the window, or the commands without one.
+//! The `tautline` program: the window, or the command line.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Design tokens: colours, fonts, spacing. Nothing else names a colour.
+//! Design tokens: colours, fonts, spacing. No other module defines a colour.
 
 use std::sync::Arc;
 
@@ -9,9 +9,9 @@ use egui::{
 
 use crate::model::phase::Progress;
 
-/// Grid on which everything is aligned (points).
+/// Grid of the layout (points).
 pub const GRID: f32 = 4.0;
-/// Family of headings and of what is important.
+/// Font family of headings and emphasised text.
 const STRONG: &str = "strong";
 
 const fn rgb(hex: u32) -> Color32 {
@@ -21,37 +21,37 @@ const fn rgb(hex: u32) -> Color32 {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Palette {
-    /// Ground of the 3D view and of plots.
+    /// Background of the 3D view and of plots.
     pub ground: Color32,
-    /// Ground of panels.
+    /// Background of panels.
     pub panel: Color32,
-    /// Ground of fields and of what can be pressed.
+    /// Background of fields and buttons.
     pub raised: Color32,
-    /// The same under the pointer.
+    /// Background of fields and buttons under the pointer.
     pub hovered: Color32,
-    /// Thin lines between parts.
+    /// Thin separators.
     pub line: Color32,
     pub text: Color32,
-    /// Units, hints, what is less important.
+    /// Units, hints, text of less importance.
     pub muted: Color32,
-    /// The one accent: the next step, what is selected.
+    /// Accent colour: the next step and the selection.
     pub accent: Color32,
     pub on_accent: Color32,
     pub good: Color32,
     pub warning: Color32,
     pub bad: Color32,
-    /// Members of the frame in 3D.
+    /// Members of the robot's frame in 3D.
     pub frame: Color32,
-    /// Nominal geometry, drawn as a ghost.
+    /// Nominal geometry, drawn translucent.
     pub ghost: Color32,
-    /// The platform in 3D.
+    /// Platform in 3D.
     pub platform: Color32,
     pub laser: Color32,
-    /// Axes x, y, z of a frame in 3D.
+    /// Axes x, y, z of a coordinate frame in 3D.
     pub axes: [Color32; 3],
-    /// Eight colours for cables, apart for colour-blind eyes (after Okabe and Ito).
+    /// Eight cable colours, distinct for colour-blind eyes (after Okabe and Ito).
     pub cables: [Color32; 8],
-    /// Ends and middle of the diverging scale of residuals: below, zero, above.
+    /// Diverging scale of residuals: negative, zero, positive.
     pub diverging: [Color32; 3],
 }
 
@@ -125,20 +125,20 @@ pub fn palette(theme: Theme) -> &'static Palette {
     }
 }
 
-/// The colours of the present theme.
+/// Colours of the present theme.
 #[must_use]
 pub fn of(ui: &egui::Ui) -> &'static Palette {
     palette(ui.theme())
 }
 
 impl Palette {
-    /// Colour of a cable by its index; from the ninth on colours repeat, numbers do not.
+    /// Colour of a cable by its index; colours repeat from the ninth on, numbers do not.
     #[must_use]
     pub fn cable(&self, index: usize) -> Color32 {
         self.cables[index % self.cables.len()]
     }
 
-    /// Colour of how far a phase is.
+    /// Colour of the progress of a phase.
     #[must_use]
     pub fn progress(&self, progress: Progress) -> Color32 {
         match progress {
@@ -158,16 +158,16 @@ impl Palette {
     }
 }
 
-/// Font of headings and of what is important.
+/// Font of headings and emphasised text.
 #[must_use]
 pub fn strong(size: f32) -> FontId {
     FontId::new(size, FontFamily::Name(STRONG.into()))
 }
 
-/// Fonts, spacing and colours of both themes.
+/// Installs fonts, spacing and colours of both themes.
 pub fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts());
-    // The menu has these keys, which do nothing behind a dialog.
+    // The menu has these shortcuts, which must not work behind a dialog.
     ctx.options_mut(|options| options.zoom_with_keyboard = false);
     egui_material_icons::initialize(ctx);
     for theme in [Theme::Dark, Theme::Light] {
@@ -188,7 +188,7 @@ fn fonts() -> FontDefinitions {
             .insert(name.into(), Arc::new(FontData::from_static(bytes)));
     }
     let mut icons = FontData::from_static(tautline_workflow::fonts::FILE_CHOOSER_ICONS);
-    // As egui_material_icons has it.
+    // Same offset as in egui_material_icons.
     icons.tweak.y_offset_factor = 0.05;
     fonts.font_data.insert("icons".into(), Arc::new(icons));
     for (family, first) in [
@@ -222,9 +222,9 @@ fn apply(style: &mut egui::Style, palette: &Palette) {
     spacing.scroll.floating = false;
     spacing.scroll.bar_width = 8.0;
     spacing.scroll.foreground_color = false;
-    // Labels that can be selected swallow the clicks on rows of tables.
+    // Selectable labels would consume the clicks on table rows.
     style.interaction.selectable_labels = false;
-    // Edges of panels are gripped without aiming.
+    // Panel edges are easy to grab.
     style.interaction.resize_grab_radius_side = 2.0 * GRID;
     style.visuals = visuals(palette);
 }
@@ -250,7 +250,7 @@ fn visuals(palette: &Palette) -> egui::Visuals {
     visuals.error_fg_color = palette.bad;
     visuals.hyperlink_color = palette.accent;
     visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
-    // Also the colour of text that is selected: the accent on itself could not be read.
+    // Also the colour of selected text: the accent on itself would be unreadable.
     visuals.selection.stroke = Stroke::new(1.0, palette.text);
     visuals.striped = false;
     let states = [
@@ -272,7 +272,7 @@ fn visuals(palette: &Palette) -> egui::Visuals {
         state.corner_radius = radius;
         state.expansion = 0.0;
     }
-    // Handles of scroll bars and rails of sliders: seen, but quiet.
+    // Scroll bar handles and slider rails: visible, but subdued.
     visuals.widgets.inactive.bg_fill = palette.panel.lerp_to_gamma(palette.muted, 0.4);
     visuals
 }

@@ -1,4 +1,4 @@
-//! Comparing two sessions.
+//! Comparison of two sessions, and of a simulator with the machine.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +9,9 @@ use tautline_session::{Session, import, read_poses, read_table_file};
 use super::file_dialog::pick;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
-use crate::model::comparison::{Compared, Run, Side, SimulatorComparison, Source};
+use crate::model::comparison::{
+    Compared, ComparedSession, SessionSource, Side, SimulatorComparison,
+};
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;
@@ -25,14 +27,14 @@ pub(super) fn perform(model: &mut Model, command: CompareCommand) {
         CompareCommand::Ask(side) => {
             let request = FileRequest::file("Session to compare", &["tautline", "json"]);
             pick(model, request, move |path| {
-                CompareCommand::Choose(side, Source::File(path))
+                CompareCommand::Choose(side, SessionSource::File(path))
             });
         }
         CompareCommand::Choose(side, source) => choose(model, side, source),
         CompareCommand::Drop(path) => {
             let is_empty = |side: &Side| model.comparison.source(*side).is_none();
             let side = Side::ALL.into_iter().find(is_empty).unwrap_or(Side::B);
-            choose(model, side, Source::File(path));
+            choose(model, side, SessionSource::File(path));
         }
         CompareCommand::Clear(side) => {
             model.tasks.cancel(COMPARING);
@@ -56,7 +58,7 @@ fn show(model: &mut Model) {
     let comparison = &mut model.comparison;
     let is_open = model.open.is_some();
     for side in Side::ALL {
-        if !is_open && comparison.source(side) == Some(&Source::Open) {
+        if !is_open && comparison.source(side) == Some(&SessionSource::Open) {
             comparison.clear(side);
         }
     }
@@ -65,18 +67,18 @@ fn show(model: &mut Model) {
             .iter()
             .all(|side| comparison.source(*side).is_none())
     {
-        comparison.choose(Side::A, Source::Open);
+        comparison.choose(Side::A, SessionSource::Open);
     }
 }
 
-fn choose(model: &mut Model, side: Side, source: Source) {
+fn choose(model: &mut Model, side: Side, source: SessionSource) {
     model.comparison.choose(side, source);
     start(model, Some(side));
 }
 
-/// How one side of a comparison is obtained.
+/// Source of one side of a comparison.
 enum Preparation {
-    Ready(Arc<Run>),
+    Ready(Arc<ComparedSession>),
     /// The open session, with the number of its inputs.
     Identify(Box<Session>, u64),
     Read(PathBuf),
@@ -84,7 +86,7 @@ enum Preparation {
 
 impl Preparation {
     fn of(
-        source: &Source,
+        source: &SessionSource,
         before: Option<&Arc<Compared>>,
         open: Option<&OpenSession>,
     ) -> Option<Self> {
@@ -93,12 +95,12 @@ impl Preparation {
             runs.find(|run| run.source == *source)
         });
         match (source, open) {
-            (Source::File(path), _) => Some(known.map_or_else(
+            (SessionSource::File(path), _) => Some(known.map_or_else(
                 || Self::Read(path.clone()),
                 |run| Self::Ready(Arc::clone(run)),
             )),
-            (Source::Open, None) => None,
-            (Source::Open, Some(open)) => {
+            (SessionSource::Open, None) => None,
+            (SessionSource::Open, Some(open)) => {
                 let inputs = open.inputs();
                 let known = known.filter(|run| run.inputs == Some(inputs));
                 Some(known.map_or_else(
@@ -109,15 +111,15 @@ impl Preparation {
         }
     }
 
-    fn run(self, side: Side, task: &TaskHandle) -> Result<Arc<Run>, String> {
+    fn run(self, side: Side, task: &TaskHandle) -> Result<Arc<ComparedSession>, String> {
         let (session, source, inputs) = match self {
             Self::Ready(run) => return Ok(run),
-            Self::Identify(session, inputs) => (*session, Source::Open, Some(inputs)),
-            Self::Read(path) => (read(&path)?, Source::File(path), None),
+            Self::Identify(session, inputs) => (*session, SessionSource::Open, Some(inputs)),
+            Self::Read(path) => (read(&path)?, SessionSource::File(path), None),
         };
         let named = |error: IdentificationError| match &source {
-            Source::File(path) => format!("{}: {error}.", path.display()),
-            Source::Open => format!("{}: {error}.", session.name),
+            SessionSource::File(path) => format!("{}: {error}.", path.display()),
+            SessionSource::Open => format!("{}: {error}.", session.name),
         };
         let fit = identify_to_compare(&session, &mut |progress: &Progress| {
             task.tell(
@@ -126,7 +128,7 @@ impl Preparation {
             );
             task.control()
         });
-        Ok(Arc::new(Run {
+        Ok(Arc::new(ComparedSession {
             fit: Arc::new(fit.map_err(named)?),
             measured: session.measured(),
             is_simulated: session.is_simulated(),
@@ -145,7 +147,7 @@ fn read(path: &Path) -> Result<Session, String> {
         .map_err(|error| format!("{error}."))
 }
 
-/// Compares as soon as both are chosen; `chosen` is read again even if it is known.
+/// Compares once both sides are chosen; `chosen` is read again even if it is known.
 fn start(model: &mut Model, chosen: Option<Side>) {
     model.tasks.cancel(COMPARING);
     model.messages.resolve(Cause::Comparison);
@@ -183,7 +185,7 @@ pub(super) fn receive(model: &mut Model, CompareOutcome { number, result }: Comp
     model.comparison.take(result.map(Arc::from));
 }
 
-/// Compares the readings of a simulator with those of the open session, by its identified model.
+/// Compares the readings of a simulator with those of the open session, using its identified model.
 fn replay(model: &mut Model, path: &Path) {
     let Some((open, fit)) = model
         .open

@@ -1,4 +1,4 @@
-//! Opening, saving, closing.
+//! Opening, saving and closing of sessions.
 
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             let open = RecordCommand::Open(path);
             super::perform(model, Command::Record(open));
         }
-        // Behind a link is the same file, which is open once and saved in its place.
+        // A link and its target are one file, which is opened once and saved in its place.
         FileCommand::Open(path) => read(model, link_target(&path)),
         FileCommand::Save => match model.open.as_ref().and_then(OpenSession::path) {
             Some(path) => save(model, path.to_owned()),
@@ -100,13 +100,13 @@ fn try_demo(model: &mut Model) {
     });
 }
 
-/// A session with a robot that nobody has described yet.
+/// Session with a robot that has still to be described.
 fn new_robot(model: &mut Model, robot: Robot) {
     let session = Session::new(robot.name.clone(), robot, clock::now());
     go_to(model, session, None, Origin::NewRobot);
 }
 
-/// Leaves the open session for another one.
+/// Opens another session instead of the present one.
 fn go_to(model: &mut Model, session: Session, path: Option<PathBuf>, origin: Origin) {
     let opening = Opening {
         session,
@@ -116,7 +116,7 @@ fn go_to(model: &mut Model, session: Session, path: Option<PathBuf>, origin: Ori
     leave(model, Leaving::Open(Box::new(opening)));
 }
 
-/// Another series of the open session, in a session of its own; the open one is saved before.
+/// Saves the open session and begins a new series of it.
 fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
     let Some(open) = &model.open else {
         return;
@@ -137,7 +137,7 @@ fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
     go_to(model, series, None, Origin::Series);
 }
 
-/// Asks where to save; its own file is suggested.
+/// Asks for a path to save to; suggests the present file.
 fn ask_save_as(model: &mut Model) {
     let Some(open) = &model.open else {
         return;
@@ -147,7 +147,7 @@ fn ask_save_as(model: &mut Model) {
     ask_save(model, SaveContent::Session, name);
 }
 
-/// "MINI of 2024" as "mini-of-2024.tautline", which desktops open with this program.
+/// File name of a session: "MINI of 2024" becomes "mini-of-2024.tautline", which desktops open with this program.
 fn file_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_alphanumeric());
     let words: Vec<String> = words
@@ -184,7 +184,7 @@ fn read(model: &mut Model, path: PathBuf) {
     });
 }
 
-/// What is wrong in the audit trail of a session that was read.
+/// Problem in the audit trail of a session that was read.
 fn broken_trail(opened: &Opened) -> Option<String> {
     match opened {
         Opened::Own(own) => match own.as_ref() {
@@ -199,7 +199,7 @@ fn save(model: &mut Model, path: PathBuf) {
     if model.open.is_none() {
         return;
     }
-    // A file that is being written by this window looks otherwise as well.
+    // While this window writes the file, its stamp differs as well.
     if !model.tasks.runs(SAVING)
         && let Err(text) = model.session_lock.check(&path)
     {
@@ -222,7 +222,7 @@ fn save(model: &mut Model, path: PathBuf) {
     });
 }
 
-/// Joins what the session records newly to an entry of its audit trail.
+/// Seals the new records of the session in an entry of its audit trail.
 fn seal(model: &mut Model) {
     let Some(open) = model
         .open
@@ -235,7 +235,7 @@ fn seal(model: &mut Model) {
     open.record(|session| audit::seal(session, operator));
 }
 
-/// Leaves the open session or its controller, after a question if that loses unsaved changes or disarms a robot.
+/// Leaves the open session or its controller; asks first if unsaved changes would be lost or a robot disarmed.
 pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
     let draft = draft.into();
     let loses = draft.leaving.ends_session() && model.is_unsaved();
@@ -276,7 +276,7 @@ fn answered(model: &mut Model, answer: Answer) {
     draft.failure = None;
     match answer {
         Answer::Cancel => {}
-        // What was to be done is done once the file is written.
+        // The action follows once the file is written.
         Answer::Save => {
             model.dialogs.leaving = Some(draft);
             perform(model, FileCommand::Save);
@@ -308,7 +308,7 @@ fn recover(model: &mut Model, place: usize) {
                     origin: Origin::Recovered,
                 },
             );
-            // It is saved again before the unsaved session is discarded.
+            // Writes it to the recovery folder again before the old recovered session is discarded.
             model.autosave.follow(model.open.as_ref());
             model.autosave.discard(left);
         }
@@ -329,7 +329,7 @@ fn discard(model: &mut Model, place: usize) {
     }
 }
 
-/// Looks for the unsaved sessions of programs that ended without saving; each is read whole, which may take a while.
+/// Finds unsaved sessions of programs that ended without saving, in a task, because each is read completely.
 pub fn find_unsaved(model: &mut Model) {
     let folder = model.folders.recovery();
     if !folder.is_dir() {
@@ -436,7 +436,7 @@ fn open(model: &mut Model, opening: Opening) {
     opened(model, opening);
 }
 
-/// Answers whether a session that is open in another window is taken over; `None` leaves it.
+/// Takes over a session that is open in another window (`true`), opens it read-only (`false`) or not at all (`None`).
 fn take_over(model: &mut Model, takes_over: Option<bool>) {
     let asked = model.dialogs.elsewhere.take();
     let Some(((opening, since), takes_over)) = asked.zip(takes_over) else {
@@ -463,7 +463,7 @@ fn opened(model: &mut Model, opening: Opening) {
         hypothesis::add_those_of_user(model, &mut session);
     }
     let first = first_phase(&session);
-    // Errors of another session do not concern this one.
+    // Errors of another session no longer apply.
     model.messages.dismiss();
     model.messages.info(format!("Opened {}.", session.name));
     let file = path.clone();
@@ -492,7 +492,7 @@ fn opened(model: &mut Model, opening: Opening) {
     recording::opened(model);
 }
 
-/// Puts the open session at the top of the recent ones.
+/// Puts the open session first in the list of recent ones.
 fn remember(model: &mut Model, path: &Path) {
     let open = model.open.as_ref();
     let recent = open.and_then(|open| {
@@ -507,7 +507,7 @@ fn remember(model: &mut Model, path: &Path) {
     }
 }
 
-/// First screen of a session: the interrupted measuring run, the identification of measured poses, or the first phase.
+/// First phase of a session: of the interrupted measuring run, of the identification of measured poses, or the first.
 fn first_phase(session: &Session) -> Phase {
     match (
         session.measurements.is_empty(),

@@ -1,13 +1,13 @@
-//! Asking for a file: by the dialog of the desktop, or by a window of the program where there is none.
+//! Choice of a file: in the dialog of the desktop, or in the program's own file chooser if there is none.
 
 use std::path::PathBuf;
 
 use super::file_tasks::usual_folder;
 use crate::model::Model;
-use crate::model::command::file_choice::{FileChoice, FileRequest, Wanted};
+use crate::model::command::file_choice::{FileChoice, FileRequest, PathKind};
 use crate::model::command::{Command, Outcome};
 
-/// Asks for a file on a thread of its own; with the one that is chosen, `command` is done.
+/// Shows a file dialog on its own thread; `command` receives the chosen path.
 pub fn pick<C: Into<Command>>(
     model: &mut Model,
     mut request: FileRequest,
@@ -40,16 +40,16 @@ fn desktop_dialog(request: &FileRequest) -> Option<PathBuf> {
             .add_filter("All files", &["*"]);
     }
     match request.wanted {
-        Wanted::File => dialog.pick_file(),
-        Wanted::Folder => dialog.pick_folder(),
-        Wanted::NewFile => dialog.set_file_name(&request.name).save_file(),
+        PathKind::File => dialog.pick_file(),
+        PathKind::Folder => dialog.pick_folder(),
+        PathKind::NewFile => dialog.set_file_name(&request.name).save_file(),
     }
 }
 
-/// Whether the desktop can show file dialogs: rfd answers alike for a dialog that was cancelled and one that is missing.
+/// Whether the desktop has file dialogs: rfd does not distinguish a cancelled dialog from a missing one.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn desktop_has_dialogs() -> bool {
-    // What rfd uses where there is no portal.
+    // Fallback of rfd if there is no portal.
     let zenity = || {
         let found = std::process::Command::new("zenity")
             .arg("--version")
@@ -64,7 +64,7 @@ fn desktop_has_dialogs() -> bool {
     true
 }
 
-/// Asks the portal for the version of its file chooser, which it has only where a desktop provides one.
+/// Version of the portal's file chooser, which exists only if the desktop provides one.
 #[cfg(all(unix, not(target_os = "macos")))]
 async fn portal_version() -> zbus::Result<()> {
     const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);

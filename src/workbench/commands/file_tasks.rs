@@ -1,4 +1,4 @@
-//! Saving and writing files.
+//! Writing of files in tasks.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use crate::model::messages::{Cause, Severity};
 use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession};
 
-/// Where files are looked for and saved at first: the folder of the open session, or of the one that was open last.
+/// Initial folder of file dialogs: that of the open session, or of the last one.
 pub fn usual_folder(model: &Model) -> PathBuf {
     let own = model.open.as_ref().and_then(OpenSession::path);
     let recent = model
@@ -21,13 +21,13 @@ pub fn usual_folder(model: &Model) -> PathBuf {
     folder.map_or_else(present, Path::to_owned)
 }
 
-/// Asks where to save, under this name unless another is typed.
+/// Asks for a path to save to; suggests this name.
 pub fn ask_save(model: &mut Model, content: SaveContent, name: impl AsRef<Path>) {
     let form = SaveForm::new(&usual_folder(model).join(name));
     model.dialogs.save = Some(SaveDraft { form, content });
 }
 
-/// Writes a file in a task of this title; `work` may give a warning.
+/// Writes a file in a task of this title; `work` may return a warning.
 pub fn write(
     model: &mut Model,
     title: &str,
@@ -41,7 +41,7 @@ pub fn write(
     });
 }
 
-/// Receives the result of writing a file: the dialog that waits for it closes, or shows the error.
+/// Handles the result of writing a file: the dialog that waits for it closes or shows the error.
 pub fn written(model: &mut Model, path: &Path, result: Result<(), String>) {
     match result {
         Ok(()) => {

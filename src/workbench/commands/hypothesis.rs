@@ -12,7 +12,7 @@ use tautline_workflow::signature::{Gallery, Signature, try_hypothesis, write_gal
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, write, written};
 use super::perform as perform_any;
-use crate::model::command::Previewed;
+use crate::model::command::PreviewResult;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
     Answer, DRAWING, FileCommand, HypothesisCommand, HypothesisOutcome, IdentificationCommand,
@@ -77,12 +77,12 @@ pub(super) fn perform(model: &mut Model, command: HypothesisCommand) {
     }
 }
 
-/// Begins with a text, after a question if that loses another one.
+/// Begins with a text; asks first if an unsaved text would be lost.
 fn begin(model: &mut Model, text: String, file: Option<PathBuf>) {
     go_on(model, AfterHypothesis::Begin { text, file });
 }
 
-/// Does what may lose an unsaved text, after a question if it does.
+/// Carries out an action; asks first if an unsaved text would be lost.
 pub(super) fn go_on(model: &mut Model, next: AfterHypothesis) {
     if model.hypothesis.is_unsaved() {
         model.hypothesis.asking = Some(next);
@@ -108,7 +108,7 @@ fn answered(model: &mut Model, answer: Answer) {
             keep_text(model);
             go_on(model, next);
         }
-        // A session takes only what is right; a file takes everything, and what was to be done is done once it is written.
+        // A session accepts only a valid text, a file any; in that case the action follows once the file is written.
         Answer::Save if save_in_session(model) => go_on(model, next),
         Answer::Save => {
             model.hypothesis.asking = Some(next);
@@ -117,7 +117,7 @@ fn answered(model: &mut Model, answer: Answer) {
     }
 }
 
-/// The text counts as saved.
+/// Marks the text as saved.
 fn keep_text(model: &mut Model) {
     if let Some(draft) = &mut model.hypothesis.draft {
         let text = draft.text().to_owned();
@@ -125,7 +125,7 @@ fn keep_text(model: &mut Model) {
     }
 }
 
-/// Puts the hypothesis into the session, if it is right and there is one; whether it did.
+/// Adds the hypothesis to the open session, if it is valid; returns whether it was added.
 fn save_in_session(model: &mut Model) -> bool {
     let draft = model.hypothesis.draft.as_ref();
     let hypothesis = draft.and_then(|draft| draft.checked().ok()).cloned();
@@ -144,13 +144,13 @@ fn save_in_session(model: &mut Model) -> bool {
     if is_taken {
         keep_text(model);
     } else {
-        let text = "The session has as many hypotheses as it can: take one out first.";
+        let text = "The session cannot have more hypotheses: remove one first.";
         model.messages.failure(Cause::Entry, text);
     }
     is_taken
 }
 
-/// Asks for a file; in the folder of the user every later session finds it.
+/// Asks for a file; files in the folder of the user are found by every later session.
 fn ask_save_file(model: &mut Model) {
     let Some(draft) = &model.hypothesis.draft else {
         return;
@@ -182,7 +182,7 @@ fn save(model: &mut Model, path: PathBuf) {
 fn read(model: &mut Model, path: PathBuf) {
     model.messages.resolve(Cause::Opening);
     model.tasks.start("Opening", move |_| {
-        // A text with a mistake is opened to be corrected, but it has to be a text of a possible size.
+        // A text with errors is opened to be corrected, unless it is too large.
         let result = match read_hypothesis(&path) {
             Ok(hypothesis) => Ok(hypothesis.text().to_owned()),
             Err(error) if error.place == Location::File => Err(error.to_string()),
@@ -192,7 +192,7 @@ fn read(model: &mut Model, path: PathBuf) {
     });
 }
 
-/// Computes what the hypothesis does to the residuals, unless that is being done.
+/// Computes the effect of the hypothesis on the residuals, unless that is already running.
 fn preview(model: &mut Model) {
     let draft = model.hypothesis.draft.as_ref();
     let hypothesis = draft.and_then(|draft| draft.checked().ok()).cloned();
@@ -212,7 +212,7 @@ fn preview(model: &mut Model) {
         let fit = open.fit().filter(|_| open.fit_is_current()).map(Arc::clone);
         model.tasks.start(TRYING, move |task| {
             let tried = try_hypothesis(&session, fit, &hypothesis, &|| task.control());
-            let result = tried.map(|tried| tried.map(Previewed::Measured));
+            let result = tried.map(|tried| tried.map(PreviewResult::Measured));
             HypothesisOutcome::Tried { of, result }.into()
         });
         return;
@@ -226,7 +226,7 @@ fn preview(model: &mut Model) {
             let signature = Signature::of(&robot, &poses, hypothesis.effect());
             signature.map_err(|error| format!("{}: {error}.", robot.name))
         });
-        let result = signature.map(|signature| Some(Previewed::Simulated(Box::new(signature))));
+        let result = signature.map(|signature| Some(PreviewResult::Simulated(Box::new(signature))));
         HypothesisOutcome::Tried { of, result }.into()
     });
 }
@@ -261,7 +261,7 @@ fn save_gallery(model: &mut Model, path: PathBuf) {
     });
 }
 
-/// Makes the hypotheses in the settings folder known to a robot of a new session.
+/// Adds the hypotheses in the settings folder to the robot of a new session.
 pub(super) fn add_those_of_user(model: &mut Model, session: &mut Session) {
     let folder = HypothesisFolder::read(&model.folders.effects());
     let added = folder.add_to(&mut session.robot);

@@ -13,9 +13,9 @@ use crate::model::command::{
     IdentificationOutcome, READINESS, Readiness,
 };
 use crate::model::edit::Edit;
-use crate::model::fit_progress::{Adding, Before, FitProgress};
+use crate::model::fit_progress::{FitProgress, PendingEffects, PreviousFit};
 use crate::model::messages::Cause;
-use crate::model::open_session::{Diagnosed, Stored};
+use crate::model::open_session::{Diagnosed, StoredFit};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
@@ -97,13 +97,12 @@ fn identify(model: &mut Model, keep: bool) {
     });
 }
 
-/// After a session was opened: identifies and diagnoses again what it has results of, so that there is something to look
-/// at.
+/// Repeats identification and diagnosis of a session that has stored results, after it was opened.
 pub(super) fn reopened(model: &mut Model) {
     let stored = model.open.as_ref().map(OpenSession::stored);
     model.identification = Default::default();
     model.request(UiRequest::ShowGeometry);
-    if stored == Some(Stored::Current) {
+    if stored == Some(StoredFit::Current) {
         identify(model, false);
     }
     let session = model.open.as_ref().map(OpenSession::session);
@@ -118,11 +117,11 @@ fn has_current_diagnosis(session: &Session) -> bool {
     last.is_some_and(|record| record.basis == Some(session.basis()))
 }
 
-/// What the operator changes of the problem while looking at its solution.
+/// Choices that change the identification, for comparison before and after an edit.
 #[derive(PartialEq)]
 pub(super) struct FitChoices {
     effects: Vec<EffectSetting>,
-    /// Texts, which change no fit, but what it is a fit of.
+    /// Texts of the hypotheses, which change the meaning of the fit.
     hypotheses: Vec<String>,
     excluded: BTreeSet<i64>,
 }
@@ -138,8 +137,7 @@ impl FitChoices {
     }
 }
 
-/// After an edit: identifies again where effects were added or removed or poses left out, if there are results to compare
-/// with.
+/// Identifies again after an edit that changed effects or excluded poses, if there are results to compare with.
 pub(super) fn follow(
     model: &mut Model,
     before: Option<&FitChoices>,
@@ -153,12 +151,12 @@ pub(super) fn follow(
         return;
     }
     model.identification.not_added = None;
-    model.identification.adding = adds.map(|effects| Adding {
+    model.identification.adding = adds.map(|effects| PendingEffects {
         effects,
         inputs: open.inputs(),
         place: open.history().place(),
     });
-    model.identification.before = open.fit().map(|fit| Before {
+    model.identification.before = open.fit().map(|fit| PreviousFit {
         what: what.to_owned(),
         missed: fit.residual_ratio(),
         chi2: fit.solution.chi2,
@@ -195,7 +193,7 @@ fn identified(
     Ok(Some(found))
 }
 
-/// The document that `identify --json` writes, for the session.
+/// Document of `identify --json`, for the session.
 fn identification_record(session: &Session, fit: &Identification) -> ResultRecord {
     let document = match &fit.published {
         Some(Ok(published)) => published.document(),
@@ -220,7 +218,7 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
     });
 }
 
-/// Diagnoses the model as it is; the effects that were added to it are estimated again, from their identified values.
+/// Diagnoses the present model; its added effects are estimated again, starting from their identified values.
 fn diagnosed(
     session: &Session,
     current: Option<Arc<Identification>>,
@@ -250,7 +248,7 @@ fn diagnosed(
     })))
 }
 
-/// Looks for patterns of what the last diagnosis leaves unexplained.
+/// Looks for patterns in the residuals left unexplained by the last diagnosis.
 fn find_patterns(model: &mut Model) {
     let Some(open) = &model.open else {
         return;
@@ -292,8 +290,8 @@ fn examined(
         findings,
         ..
     } = &diagnosed.diagnosis;
-    // Without its last tests a diagnosis that found nothing yet looks like one that found nothing. At its time limit it
-    // says so.
+    // A diagnosis cancelled before its last tests must not look like one without findings. One that ended at its time
+    // limit states that itself.
     let by_operator = *cancelled && !diagnosed.ended_at_limit;
     let is_inconclusive = by_operator && findings.is_empty();
     Ok((!is_inconclusive).then_some(diagnosed))
@@ -352,7 +350,7 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
         | IdentificationOutcome::Diagnosed {
             result: Ok(None), ..
         } => {
-            // One that was overtaken by a newer one needs no word.
+            // A failure of a superseded identification is not reported.
             let overtaken = open.inputs() != inputs || model.tasks.runs(IDENTIFYING);
             if overtaken {
                 return;
@@ -375,7 +373,7 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
     }
 }
 
-/// Why an identification is of no use, if it is.
+/// Reason why an identification is not usable, if any.
 fn failure(result: &Result<Option<Box<Identification>>, String>) -> Option<String> {
     match result {
         Err(reason) => Some(reason.clone()),
@@ -386,8 +384,8 @@ fn failure(result: &Result<Option<Box<Identification>>, String>) -> Option<Strin
     }
 }
 
-/// Takes effects out again with which nothing can be identified.
-fn take_back(model: &mut Model, adding: Adding, reason: String) {
+/// Removes effects with which the identification failed.
+fn take_back(model: &mut Model, adding: PendingEffects, reason: String) {
     let Some(open) = &mut model.open else {
         return;
     };
@@ -435,7 +433,7 @@ fn take_diagnosis(open: &mut OpenSession, inputs: u64, examined: DiagnosisResult
     }
     match is_clean {
         true if is_gross => {
-            "Diagnosis finished: no part is at fault, but see what is said of the readings or the drawing.".to_owned()
+            "Diagnosis finished: no faulty part, but see the findings on the readings or the drawing.".to_owned()
         }
         true => "Diagnosis finished: nothing was found.".to_owned(),
         false => format!("Diagnosis finished with {found}."),

@@ -51,7 +51,7 @@ pub(super) fn receive(model: &mut Model, ImportOutcome { path, result }: ImportO
     }
 }
 
-/// Puts rows into the open session; `name` is that of their file.
+/// Puts the rows of a file into the open session.
 pub(super) fn take(model: &mut Model, name: &str, loaded: Loaded<TableRows>) {
     let Some(open) = &mut model.open else {
         return;
@@ -76,7 +76,7 @@ pub(super) fn take(model: &mut Model, name: &str, loaded: Loaded<TableRows>) {
     show(model, table);
 }
 
-/// Goes to where the table is shown.
+/// Shows the table in its phase.
 fn show(model: &mut Model, table: Table) {
     model.screen = Screen::Phase(match table {
         Table::Winch | Table::Force | Table::Home => Phase::Precalibration,

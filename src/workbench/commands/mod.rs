@@ -1,4 +1,4 @@
-//! What the commands do; one file for each kind.
+//! Handlers of the commands, one file for each kind.
 
 mod compare;
 mod file;
@@ -72,7 +72,7 @@ pub fn perform(model: &mut Model, command: Command) {
     }
 }
 
-/// Does, undoes or redoes an edit; what was computed follows.
+/// Applies, undoes or redoes an edit and updates the results.
 fn changed(
     model: &mut Model,
     (prefix, adds): (Option<&str>, Option<Vec<EffectSetting>>),
@@ -82,7 +82,7 @@ fn changed(
     let Some(name) = model.open.as_mut().and_then(step) else {
         return;
     };
-    // What was typed or computed before is of another session now.
+    // Errors of the session before no longer apply.
     for cause in [Cause::Entry, Cause::Estimation, Cause::Planning] {
         model.messages.resolve(cause);
     }

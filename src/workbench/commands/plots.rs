@@ -1,4 +1,4 @@
-//! Preparing what plots show and saving what they show.
+//! Preparation and saving of plots.
 
 use std::io::Cursor;
 
@@ -14,7 +14,7 @@ use crate::model::plot_preparation::Preparation;
 
 /// Title of the task that prepares plots.
 const PREPARING: &str = "Preparing plots";
-/// Title of the task that saves one.
+/// Title of the task that saves a plot.
 const SAVING: &str = "Saving plot";
 
 pub(super) fn perform(model: &mut Model, command: PlotCommand) {

@@ -20,7 +20,7 @@ use crate::model::command::{
     CHECKING_HEALTH, Command, CompareCommand, FileCommand, PLANNING, PlotFile, READING_RECORD,
     RecordCommand, RecordOutcome,
 };
-use crate::model::comparison::{Side, Source};
+use crate::model::comparison::{SessionSource, Side};
 use crate::model::dialogs::SaveContent;
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
@@ -72,7 +72,7 @@ fn compare(model: &mut Model, sessions: [usize; 2]) {
         return;
     };
     for (side, path) in Side::ALL.into_iter().zip([a, b]) {
-        let choose = CompareCommand::Choose(side, Source::File(path));
+        let choose = CompareCommand::Choose(side, SessionSource::File(path));
         perform_any(model, Command::Compare(choose));
     }
     perform_any(model, Command::Compare(CompareCommand::Show));
@@ -109,7 +109,7 @@ fn open(model: &mut Model, folder: PathBuf) {
     });
 }
 
-/// A session of a file or folder with the time when its poses were read, if known.
+/// Session of a file or folder, with the time of its measurement, if known.
 fn read(path: &Path) -> Result<(Session, Option<Timestamp>), String> {
     let read = dated_session(path, clock::now());
     read.map(|read| read.value)
@@ -147,7 +147,7 @@ fn check(model: &mut Model, sessions: [usize; 2]) {
     });
 }
 
-/// Plans the poses of a check of a session in the record, or of the open session.
+/// Plans the health check of a session in the record, or of the open session.
 fn plan_check(model: &mut Model, index: Option<usize>) {
     let open = model.open.as_ref().map(|open| open.session().clone());
     let path = index.and_then(|index| path_of(model, index));

@@ -1,4 +1,4 @@
-//! Importing files of other programs.
+//! Import of files of other programs.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,12 +28,12 @@ use tautline_workflow::readiness::check_readings;
 use tautline_workflow::wording::sentence;
 use tautline_workflow::{clock, importing};
 
-/// Endings of the files that are read, for dialogs; what a file is shows its content.
+/// File extensions for dialogs; the format is recognised by content.
 const ENDINGS: &[&str] = &[
     "csv", "txt", "tsv", "c3d", "mat", "npy", "npz", "parquet", "xlsx", "ods", "asc", "dat", "lvm",
     "tdms", "mf4", "h5", "hdf5", "mcap", "bag",
 ];
-/// Number of the last of them whose formats a build may leave out.
+/// Number of extensions at the end that need the feature `more-formats`.
 const MORE: usize = 4;
 
 pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
@@ -104,7 +104,7 @@ fn read(model: &mut Model, path: PathBuf) {
     });
 }
 
-/// Takes sources into the import: with those that are there, or as the next ones where these are in a session already.
+/// Adds sources to the import, or begins a new import if the present one is already in a session.
 pub(super) fn take(model: &mut Model, sources: Vec<Source>) {
     model.screen = Screen::Import;
     let Some(open) = &model.open else {
@@ -120,7 +120,7 @@ pub(super) fn take(model: &mut Model, sources: Vec<Source>) {
     cut(model);
 }
 
-/// Opens the import of the session's poses again; without its sources, which a session file does not have, they are asked for.
+/// Opens the import of the session's poses again; asks for its sources, which a session file does not contain.
 fn correct(model: &mut Model) {
     let can_correct = |open: &OpenSession| importing::can_import_again(open.session());
     if !model.open.as_ref().is_some_and(can_correct) {
@@ -134,7 +134,7 @@ fn correct(model: &mut Model) {
     correct_channels(model);
 }
 
-/// Corrects the recipe once its poses are checked. The check is of the recipe as it is now, which may be corrected already.
+/// Corrects the recipe from the check of its poses, which belongs to the present recipe.
 fn correct_channels(model: &mut Model) {
     let open = model.importing.open.as_ref();
     if model.importing.corrects && open.is_some_and(OpenImport::is_current) {
@@ -143,7 +143,7 @@ fn correct_channels(model: &mut Model) {
     }
 }
 
-/// Goes on with the files that wait for a robot, now that a session is open; the recipe of another robot is not used.
+/// Continues with files that waited for a robot after a session was opened; the recipe of another robot is not used.
 pub(super) fn opened(model: &mut Model) {
     model.importing.open = None;
     (model.importing.replaces, model.importing.corrects) = (false, false);
@@ -153,7 +153,7 @@ pub(super) fn opened(model: &mut Model) {
     }
 }
 
-/// Begins with a recipe, or changes the one that is there to it.
+/// Begins an import with a recipe, or applies it to the present import.
 pub(super) fn use_recipe(model: &mut Model, name: &str, recipe: Recipe) {
     if model.importing.open.is_some() {
         let what = format!("use {name}");
@@ -198,7 +198,7 @@ fn remove(model: &mut Model, source: usize) {
     cut(model);
 }
 
-/// Applies some suggestions, given their number, as one change.
+/// Applies the wanted suggestions, selected by index, as one change.
 fn apply(model: &mut Model, is_wanted: impl Fn(usize, &Suggestion) -> bool) {
     change(model, |open| {
         let all = open.suggestions().into_iter().enumerate();
@@ -214,7 +214,7 @@ fn apply(model: &mut Model, is_wanted: impl Fn(usize, &Suggestion) -> bool) {
     });
 }
 
-/// Cuts poses in the background, unless that is going on: then again once it is done.
+/// Cuts poses in a task; if one is running, repeats it afterwards.
 fn cut(model: &mut Model) {
     let Some(robot) = robot(model) else {
         return;
@@ -339,7 +339,7 @@ fn keep(open: &mut OpenSession, recipe: &Recipe, done: &str) {
     open.add_result(record);
 }
 
-/// Keeps the recipe in a session that begins with an import.
+/// Stores the recipe and the source in a session that begins with an import.
 fn note(session: &mut Session, recipe: &Recipe, imported: &Imported, name: &str) {
     let count = imported.measurements.len();
     session.record(tautline_session::LogEntry {
@@ -357,7 +357,7 @@ fn file_name(source: &Source) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Whether undo, or redo, concerns the recipe.
+/// Whether undo, or redo if `again`, applies to the recipe.
 pub(super) fn undoes(model: &Model, again: bool) -> bool {
     let open = model.importing.open.as_ref();
     let draft = open.filter(|_| model.screen == Screen::Import);

@@ -8,7 +8,7 @@ use super::file_dialog::pick;
 use super::file_tasks::write;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ReportCommand, ReportDraft, WorkshopInstrument};
-use crate::model::comparison::{Compared, Source};
+use crate::model::comparison::{Compared, SessionSource};
 use crate::model::phase::Screen;
 use crate::model::record::OpenRecord;
 use crate::model::save_form::SaveForm;
@@ -53,7 +53,7 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
     }
 }
 
-/// Where the report belongs: beside the session.
+/// Suggested path of the report, in the folder of the session.
 fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
     if let Some(of) = record(model) {
         let name = of.folder.file_name().unwrap_or_default().to_string_lossy();
@@ -63,8 +63,8 @@ fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
     if let Some(of) = compared(model) {
         let name = format!("comparison-report.{}", format.extension());
         let first = match &of.runs[0].source {
-            Source::File(path) => Some(path.as_path()),
-            Source::Open => model.open.as_ref()?.path(),
+            SessionSource::File(path) => Some(path.as_path()),
+            SessionSource::Open => model.open.as_ref()?.path(),
         };
         return Some(first.map_or_else(|| name.clone().into(), |path| path.with_file_name(&name)));
     }
@@ -87,7 +87,7 @@ fn ask(model: &mut Model, format: ReportFormat) {
     });
 }
 
-/// What the certificate of the open session states, with what the workshop has for all, and the instruments to choose from.
+/// Statements of the certificate of the open session with those of the workshop, and the instruments to choose from.
 fn details(model: &Model) -> (CertificateDetails, Vec<WorkshopInstrument>) {
     let kept = &model.preferences.report;
     let session = model.open.as_ref().map(OpenSession::session);
@@ -118,7 +118,7 @@ fn details(model: &Model) -> (CertificateDetails, Vec<WorkshopInstrument>) {
     (details, choice)
 }
 
-/// Keeps what the certificate states in the session, and what is of the workshop in the preferences.
+/// Stores the session's statements of the certificate in the session, and the workshop's in the preferences.
 fn keep_details(model: &mut Model, draft: &ReportDraft) {
     let details = draft.chosen_details();
     let is_named = |one: &&WorkshopInstrument| !one.instrument.name.trim().is_empty();
@@ -139,7 +139,7 @@ fn keep_details(model: &mut Model, draft: &ReportDraft) {
     }
 }
 
-/// What the last report had, with the tolerance of the open session.
+/// Choices of the last report, with the tolerance of the open session.
 fn choice(model: &Model) -> ReportChoice {
     ReportChoice {
         tolerance_m: model.open.as_ref().and_then(OpenSession::tolerance_m),
@@ -156,7 +156,7 @@ fn browse(model: &mut Model, format: ReportFormat) {
     });
 }
 
-/// A path that was typed without its extension gets it.
+/// Adds the extension to a path typed without one.
 fn with_extension(path: PathBuf, format: ReportFormat) -> PathBuf {
     if ReportFormat::of(&path).is_some() {
         return path;
@@ -166,7 +166,7 @@ fn with_extension(path: PathBuf, format: ReportFormat) -> PathBuf {
     name.into()
 }
 
-/// The comparison on the screen, if the report is about it.
+/// Comparison on the screen, if the report is about it.
 fn compared(model: &Model) -> Option<&Arc<Compared>> {
     let result = model.comparison.result()?;
     result
@@ -175,7 +175,7 @@ fn compared(model: &Model) -> Option<&Arc<Compared>> {
         .filter(|_| model.screen == Screen::Compare)
 }
 
-/// The record on the screen, if the report is about it.
+/// Record on the screen, if the report is about it.
 fn record(model: &Model) -> Option<&Arc<OpenRecord>> {
     model
         .record
@@ -211,7 +211,7 @@ fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: A
     });
 }
 
-/// When the next calibration is due, if the open session is in the record that is open.
+/// Date of the next calibration, if the open session belongs to the open record.
 fn next_calibration(model: &Model) -> Option<String> {
     let record = model.record.open()?;
     let path = model.open.as_ref()?.path()?;
@@ -232,7 +232,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
     let fit = open.fit().map(Arc::clone);
     let diagnosis = open.diagnosis().map(Arc::clone);
     let outdated = fit.is_some() && !open.fit_is_current();
-    // What is not in memory is computed from the present data.
+    // Results that are not in memory are computed from the present data.
     let diagnosis_outdated = diagnosis.is_some() && (outdated || !open.is_model_diagnosed());
     let report_picture = model.report_picture;
     let next_calibration = next_calibration(model);

@@ -1,4 +1,4 @@
-//! The connection dialog: its settings, its files, and looking symbols up.
+//! Connection dialog: settings, files and check of symbols.
 
 use std::sync::Arc;
 
@@ -105,7 +105,7 @@ fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
     }
 }
 
-/// Keys, trust and passwords of the user.
+/// Keys, trusted certificates and passwords of the user.
 fn keys(model: &Model) -> UserKeys {
     let keys = UserKeys::of(model.folders.clone());
     match &model.options.passwords {
@@ -114,7 +114,7 @@ fn keys(model: &Model) -> UserKeys {
     }
 }
 
-/// Keeps the password that the controller has accepted, if that was wanted.
+/// Stores the password accepted by the controller, if wanted.
 pub(super) fn accepted(model: &mut Model, account: Option<Account>) {
     let is_wanted = std::mem::take(&mut model.link.keeps_password);
     let Some((account, password)) = account.zip(model.link.password.clone()) else {
@@ -149,8 +149,8 @@ fn forget(model: &mut Model, account: Account) {
     });
 }
 
-/// What the user brings along to a server that asks who it is. A typed password comes before that of the environment, and that
-/// before the stored one.
+/// Credentials for a server. A typed password takes precedence over that of the environment, and that over the stored
+/// one.
 pub(super) fn credentials(model: &Model) -> Credentials {
     let typed = model.link.password.clone();
     let given = || std::env::var(PASSWORD).ok().map(Password::new);
@@ -176,7 +176,7 @@ fn check(model: &mut Model, connection: Connection) {
     let Some(open) = &model.open else {
         return;
     };
-    // A controller takes one connection of this program only.
+    // A controller accepts only one connection of this program.
     if model.link.is_connected() || model.link.connecting || model.tasks.runs(CHECKING) {
         return;
     }
@@ -191,7 +191,7 @@ fn check(model: &mut Model, connection: Connection) {
     });
 }
 
-/// Says in the dialog what cannot be done.
+/// Shows an error message in the dialog.
 fn refuse(model: &mut Model, text: String) {
     ask(model, ConnectionRequest::Refuse(text.clone()));
     model.messages.log(Severity::Error, text);

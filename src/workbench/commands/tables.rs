@@ -1,4 +1,4 @@
-//! Tables that were opened or dropped on the window, into the open session.
+//! Import of opened or dropped tables into the open session.
 
 use tautline_session::{Import, Loaded, Phase as LogPhase};
 
@@ -9,7 +9,7 @@ use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession};
 use tautline_workflow::precalibration::TableRows;
 
-/// Takes a table into the open session; `file` is its name for messages.
+/// Adds a table to the open session; `file` is its name in messages.
 pub(super) fn take(model: &mut Model, file: &str, table: Import) {
     let rows = match table {
         Import::Winch(rows) => TableRows::Winch(rows),
@@ -69,6 +69,6 @@ fn into(open: &mut OpenSession, file: &str, table: Import) -> Result<Phase, Stri
             open.append(|session| session.measurements = *measurements);
             Ok(Phase::Measuring)
         }
-        _ => Err(format!("{file}: is no table that a session takes.")),
+        _ => Err(format!("{file}: not a table that a session can have.")),
     }
 }

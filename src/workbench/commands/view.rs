@@ -1,13 +1,13 @@
-//! What is shown.
+//! View of the window.
 
 use egui::ThemePreference;
 use tautline_session::Theme;
 
 use crate::model::command::ViewCommand;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::{Model, Selection, UiRequest};
 
-/// Smallest and largest size of everything.
+/// Smallest and largest zoom factor.
 const SCALES: std::ops::RangeInclusive<f32> = 0.75..=2.5;
 
 pub(super) fn perform(model: &mut Model, command: ViewCommand) {
@@ -20,11 +20,11 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
             model.screen = screen;
         }
         ViewCommand::Select(selection) => {
-            // A pose that is chosen is shown, also where the robot was stopped elsewhere.
+            // A selected pose is shown even if the robot was stopped elsewhere.
             let is_other = selection.pose.is_some() && selection.pose != model.selection.pose;
             model.playback.follows &= !(is_other && model.link.is_stopped);
             model.selection = selection;
-            // The inspector goes where the selection goes.
+            // The inspector follows the selection.
             if model.inspected.is_some() && selection.cable.is_some() {
                 model.inspected = selection.cable;
             }
@@ -32,13 +32,13 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         ViewCommand::ShowDependence(quantity, cable, variable) => {
             model.selection = cable.map(Selection::cable).unwrap_or_default();
             model.inspected = None;
-            show(model, Part::Plots);
+            show(model, ScreenPart::Plots);
             model.request(UiRequest::ShowDependence(quantity, cable, variable));
         }
         ViewCommand::Inspect(cable) => {
             model.inspected = cable;
             if cable.is_some() {
-                show(model, Part::Robot);
+                show(model, ScreenPart::Robot);
                 model.selection.cable = cable;
                 model.request(UiRequest::ShowRobot);
             }
@@ -75,12 +75,12 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
     }
 }
 
-/// Where another part has the window, all have it again.
-fn show(model: &mut Model, part: Part) {
+/// Ends the maximised view of another part.
+fn show(model: &mut Model, part: ScreenPart) {
     model.maximised = model.maximised.filter(|maximised| *maximised == part);
 }
 
-/// Shows a measured pose.
+/// Selects and shows a measured pose.
 fn scrub(model: &mut Model, label: i64) {
     model.selection.pose = Some(label);
     model.playback.follows = false;
@@ -94,7 +94,7 @@ fn stored(theme: ThemePreference) -> Theme {
     }
 }
 
-/// Sets what the user has chosen at some earlier time.
+/// Applies theme and zoom factor of the preferences.
 pub fn restore(model: &Model) {
     let theme = match model.preferences.theme {
         Theme::Dark => ThemePreference::Dark,

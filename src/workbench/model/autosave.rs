@@ -1,4 +1,4 @@
-//! Writes unsaved changes to the recovery folder, on a thread of its own, so that a crash loses nothing.
+//! Writes unsaved changes to the recovery folder, on a separate thread, so that a crash loses nothing.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
@@ -11,20 +11,20 @@ use tautline_session::{
 use super::{OpenSession, memory};
 
 enum Job {
-    /// Keep the whole session as it is now.
+    /// Snapshot of the whole session.
     Snapshot {
         session: Box<Session>,
         origin: Option<PathBuf>,
     },
-    /// Keep the session as it is now; its measured poses are kept already.
+    /// Changes since the last snapshot, other than measured poses.
     Changed(Box<SessionChanges>),
-    /// Keep one more measured pose.
+    /// One more measured pose.
     Measured(Box<MeasuredPose>),
-    /// Discard what an earlier crash has left behind.
+    /// Discard a recovered session of an earlier crash.
     Discard(Box<UnsavedSession>),
-    /// Tell when everything that was handed over before is on disk.
+    /// Report when all earlier jobs are on disk.
     Tell,
-    /// Nothing is unsaved any more, or the operator does not want it.
+    /// End: nothing is unsaved any more, or the operator discarded it.
     Finish,
 }
 
@@ -32,26 +32,26 @@ enum Job {
 pub enum AutosaveEvent {
     /// The pose of this label is on disk.
     Measured(i64),
-    /// Everything is on disk that was handed over before this was asked for.
+    /// All jobs before `Job::Tell` are on disk.
     Kept,
-    /// Something could not be kept; one sentence.
+    /// Error message of a failed write.
     Failed(String),
 }
 
-/// What of a session was handed over.
+/// Revision and poses of the session at the last job.
 #[derive(Debug, Clone, Copy)]
-struct Followed {
+struct AutosavedState {
     identity: u64,
     revision: u64,
     edits: u64,
     replaced: u64,
-    /// Poses that it has, all kept.
+    /// Number of measured poses, all on disk.
     poses: usize,
-    /// Poses of the last snapshot; `None` after something that could not be kept.
+    /// Number of poses of the last snapshot; `None` after a failed write.
     snapshot: Option<usize>,
 }
 
-impl Followed {
+impl AutosavedState {
     fn new(open: &OpenSession, snapshot: usize) -> Self {
         Self {
             identity: open.id(),
@@ -64,26 +64,26 @@ impl Followed {
     }
 }
 
-/// Keeps the open session.
+/// Autosave of the open session.
 pub struct Autosave {
     jobs: Option<mpsc::Sender<Job>>,
     events: mpsc::Receiver<AutosaveEvent>,
     thread: Option<JoinHandle<()>>,
-    /// What was handed over last; `None` while nothing is kept.
-    followed: Option<Followed>,
-    /// Labels of measured poses that were handed over and that the session does not have yet.
+    /// State of the session at the last job; `None` while nothing is unsaved.
+    followed: Option<AutosavedState>,
+    /// Labels of measured poses that were sent to the thread before the session had them.
     ahead: Vec<i64>,
 }
 
 impl Autosave {
-    /// Keeps in the recovery folder `folder`; `context` is woken when an event arrives.
+    /// Starts the thread that writes to the recovery folder `folder`; `context` is woken when an event arrives.
     #[must_use]
     pub fn new(folder: PathBuf, context: egui::Context) -> Self {
         let (jobs, received) = mpsc::channel();
         let (tell, events) = mpsc::channel();
         let work = move || {
             work(&folder, &received, |message| {
-                // Nobody listens any more when the program ends.
+                // The receiver is gone when the program ends.
                 let _ = tell.send(message);
                 context.request_repaint();
             });
@@ -101,11 +101,11 @@ impl Autosave {
         }
     }
 
-    /// Hands the session over if it has changes that neither its file nor the recovery folder has.
+    /// Sends the changes that are neither in the file of the session nor in the recovery folder.
     pub fn follow(&mut self, open: Option<&OpenSession>) {
         let now = open.map(|open| (open.id(), open.revision()));
         let before = self.followed;
-        // Saving changes no revision, but then there is nothing to keep any more.
+        // Saving does not change the revision, but it ends the autosave.
         if now == before.map(|f| (f.identity, f.revision))
             && open.is_none_or(OpenSession::is_unsaved)
         {
@@ -119,7 +119,7 @@ impl Autosave {
         };
         let still_ahead = ahead.iter().filter(|label| !other && !has(label));
         self.ahead = still_ahead.copied().collect();
-        // A file that was saved while a pose was on its way does not have it.
+        // A file saved while a pose was being sent does not contain that pose.
         let is_done = unsaved.is_none() && self.ahead.is_empty();
         if before.is_some() && (other || is_done) {
             self.send(Job::Finish);
@@ -130,10 +130,10 @@ impl Autosave {
         }
     }
 
-    /// Hands over what is not kept yet; poses with the labels of `ahead` are.
+    /// Sends the changes, or a new snapshot; poses with the labels of `ahead` were sent before.
     fn hand_over(&mut self, open: &OpenSession, ahead: &[i64]) {
         let session = open.session();
-        let is_kept = |before: &Followed| {
+        let is_kept = |before: &AutosavedState| {
             let new = session.measurements.labels.get(before.poses..);
             let new = new.is_some_and(|new| new.iter().all(|label| ahead.contains(label)));
             (new && before.replaced == open.replaced())
@@ -157,26 +157,26 @@ impl Autosave {
                 session.measurements.len()
             }
         };
-        self.followed = Some(Followed::new(open, poses));
+        self.followed = Some(AutosavedState::new(open, poses));
     }
 
-    /// Keeps a measured pose at once; [`AutosaveEvent::Measured`] reports that it is on disk.
+    /// Sends a measured pose at once; [`AutosaveEvent::Measured`] reports that it is on disk.
     pub fn measured(&mut self, pose: MeasuredPose) {
         self.ahead.push(pose.label());
         self.send(Job::Measured(Box::new(pose)));
     }
 
-    /// [`AutosaveEvent::Kept`] reports that everything handed over is on disk.
+    /// Asks for [`AutosaveEvent::Kept`] when all earlier jobs are on disk.
     pub fn tell(&self) {
         self.send(Job::Tell);
     }
 
-    /// Discards what an earlier crash has left behind, after everything that was handed over before.
+    /// Discards a recovered session of an earlier crash, after all earlier jobs.
     pub fn discard(&self, left: UnsavedSession) {
         self.send(Job::Discard(Box::new(left)));
     }
 
-    /// What happened since the last call.
+    /// Events since the last call; after a failed write the next job is a new snapshot.
     pub fn events(&mut self) -> Vec<AutosaveEvent> {
         let events: Vec<AutosaveEvent> = self.events.try_iter().collect();
         let failed = |event: &AutosaveEvent| matches!(event, AutosaveEvent::Failed(_));
@@ -187,7 +187,7 @@ impl Autosave {
         events
     }
 
-    /// Waits until everything that was handed over is on disk; nothing is kept afterwards.
+    /// Waits until all jobs are on disk and ends the thread.
     pub fn flush(&mut self) {
         self.jobs = None;
         if let Some(thread) = self.thread.take() {
@@ -228,7 +228,7 @@ fn work(folder: &Path, jobs: &mpsc::Receiver<Job>, tell: impl Fn(AutosaveEvent))
     }
 }
 
-/// Leaves out snapshots and changes that a later one makes needless.
+/// Leaves out snapshots and changes that a later job supersedes.
 fn newest(jobs: Vec<Job>) -> Vec<Job> {
     let mut wanted: Vec<Job> = Vec::new();
     for job in jobs {
@@ -332,7 +332,7 @@ mod tests {
         let written = open.revision();
         autosave.measured(pose(0));
         assert_eq!(measured_label(&autosave), 0);
-        // The file was begun before the pose came, and is done before the session has it.
+        // The file was begun before the pose arrived and finished before the session had it.
         open.saved_as(folder.path().join("saved.json"), written);
         autosave.follow(Some(&open));
         autosave.flush();
@@ -397,7 +397,7 @@ mod tests {
             "an edit does not write the poses"
         );
         assert!(size("changes.json") < empty + 500);
-        // Measurements that came otherwise are kept as a whole.
+        // Measurements that did not arrive pose by pose are written as a snapshot.
         open.append(|session| session.measurements.laser_m[3] = 2.0);
         measure(&mut autosave, &mut open, 31);
         assert!(size("snapshot.json") > empty + 31 * 50);

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Where the last panic happened, as the hook saw it.
+/// Source location of the last panic, from the hook.
 static LAST: Mutex<Option<String>> = Mutex::new(None);
 static HOOK: Once = Once::new();
 
@@ -25,7 +25,7 @@ pub fn listen() {
     });
 }
 
-/// Runs `work`; a panic in it becomes a value.
+/// Runs `work` and catches its panic.
 ///
 /// # Errors
 /// The panic.

@@ -1,4 +1,4 @@
-//! Two sessions that are compared.
+//! Comparison of two sessions, or of a simulator with the machine.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,11 +10,11 @@ use tautline_workflow::comparison::{LEVEL, compare_identifications};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::replay::Replay;
 
-/// One of the two places of a comparison.
+/// One of the two sessions of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     A,
-    /// The second: what differs is this less the first.
+    /// The second session; differences are B minus A.
     B,
 }
 
@@ -31,30 +31,30 @@ impl Side {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Source {
+pub enum SessionSource {
     Open,
-    /// A session file, or a dataset folder.
+    /// Session file or dataset folder.
     File(PathBuf),
 }
 
-/// One of the two sessions.
+/// One of the two sessions, with its identification.
 #[derive(Debug)]
-pub struct Run {
+pub struct ComparedSession {
     pub name: String,
     /// Time of its last measurement.
     pub measured: Option<Timestamp>,
-    pub source: Source,
+    pub source: SessionSource,
     pub is_simulated: bool,
     pub fit: Arc<Identification>,
-    /// Number of the inputs of the open session, if it is that one.
+    /// Number of the inputs, if this is the open session.
     pub inputs: Option<u64>,
 }
 
-/// Two sessions with what differs.
+/// Two sessions and their comparison.
 #[derive(Debug)]
 pub struct Compared {
-    pub runs: [Arc<Run>; 2],
-    /// B less A.
+    pub runs: [Arc<ComparedSession>; 2],
+    /// B minus A.
     pub comparison: Comparison,
 }
 
@@ -62,8 +62,8 @@ impl Compared {
     /// Compares A and B.
     ///
     /// # Errors
-    /// One sentence, if the robots have other cables or one of the sessions leaves its geometry open.
-    pub fn new(runs: [Arc<Run>; 2]) -> Result<Self, String> {
+    /// An error message, if the numbers of cables differ or the geometry of a session is not determined.
+    pub fn new(runs: [Arc<ComparedSession>; 2]) -> Result<Self, String> {
         let fits = runs.each_ref().map(|run| run.fit.as_ref());
         Ok(Self {
             comparison: compare_identifications(fits, LEVEL)?,
@@ -72,49 +72,49 @@ impl Compared {
     }
 }
 
-/// A simulator beside the machine.
+/// Comparison of a simulator with the machine.
 #[derive(Debug)]
 pub struct SimulatorComparison {
-    /// Number of the session.
+    /// Id of the session.
     pub session: u64,
-    /// Name of the file with the readings of the simulator.
+    /// Name of the file with the simulator's readings.
     pub file: String,
-    /// The comparison, or one sentence.
+    /// Comparison, or an error message.
     pub result: Result<Box<Replay>, String>,
 }
 
-/// The sessions to compare, and the comparison.
+/// State of the comparison.
 #[derive(Debug, Default)]
 pub struct ComparisonState {
-    sources: [Option<Source>; 2],
+    sources: [Option<SessionSource>; 2],
     result: Option<Result<Arc<Compared>, String>>,
-    /// The last comparison that succeeded; its identifications are used again.
+    /// Last successful comparison; its identifications are reused.
     known: Option<Arc<Compared>>,
     number: u64,
-    /// A simulator beside the machine.
+    /// Last comparison of a simulator with the machine.
     pub simulator: Option<SimulatorComparison>,
 }
 
 impl ComparisonState {
-    /// Where one of the two sessions comes from, if it was chosen.
+    /// Source of one of the two sessions, if chosen.
     #[must_use]
-    pub fn source(&self, side: Side) -> Option<&Source> {
+    pub fn source(&self, side: Side) -> Option<&SessionSource> {
         self.sources[side as usize].as_ref()
     }
 
-    /// The last comparison, or why there is none.
+    /// Last comparison, or an error message.
     #[must_use]
     pub fn result(&self) -> Option<&Result<Arc<Compared>, String>> {
         self.result.as_ref()
     }
 
-    /// The last comparison that succeeded.
+    /// Last successful comparison.
     #[must_use]
     pub fn known(&self) -> Option<&Arc<Compared>> {
         self.known.as_ref()
     }
 
-    pub fn choose(&mut self, side: Side, source: Source) {
+    pub fn choose(&mut self, side: Side, source: SessionSource) {
         self.sources[side as usize] = Some(source);
     }
 
@@ -127,14 +127,14 @@ impl ComparisonState {
         self.sources.swap(0, 1);
     }
 
-    /// Begins a comparison: the number of its result.
+    /// Begins a comparison and returns its number.
     pub fn begin(&mut self) -> u64 {
         self.result = None;
         self.number += 1;
         self.number
     }
 
-    /// Whether the result of this number is waited for.
+    /// Whether this is the number of the comparison in progress.
     #[must_use]
     pub fn expects(&self, number: u64) -> bool {
         self.number == number

@@ -14,24 +14,24 @@ use super::save_form::SaveForm;
 
 #[derive(Debug, Default)]
 pub struct Dialogs {
-    /// What waits for an answer about unsaved changes or an armed robot.
+    /// Question about unsaved changes or an armed robot.
     pub(crate) leaving: Option<LeavingDraft>,
-    /// A session that is open in another window, and since when.
+    /// Session that is open in another window, with the time since when.
     pub elsewhere: Option<(Box<Opening>, String)>,
-    /// The file that is to be saved, while its place is asked for.
+    /// Save dialog.
     pub(crate) save: Option<SaveDraft>,
-    /// The window that asks for a file.
+    /// The program's own file chooser.
     pub(crate) chooser: Option<FileChooser>,
-    /// What was typed into the command palette, while it is open.
+    /// Text of the command palette, while it is open.
     pub palette: Option<String>,
-    /// Values that are to be written, while that is to be confirmed.
+    /// Values that wait for confirmation before they are written.
     pub writing: Option<WriteDraft>,
-    /// The report that is to be saved, while that dialog is open.
+    /// Report dialog.
     pub report: Option<ReportDraft>,
     pub log: bool,
-    /// The page of the manual that is open.
+    /// Open page of the manual.
     pub manual: Option<manual::Page>,
-    /// Whether it is shown what the program is made of.
+    /// Whether the *About* window is open.
     pub about: bool,
 }
 
@@ -40,14 +40,14 @@ impl Dialogs {
         self.palette = open.then(|| self.palette.take().unwrap_or_default());
     }
 
-    /// A file was written: the dialog that waited for it is done.
+    /// Closes the dialog that waits for this file to be written.
     pub(crate) fn close(&mut self, path: &Path) {
         self.save.take_if(|draft| draft.form.waits_for(path));
         self.report.take_if(|draft| draft.form.waits_for(path));
     }
 
-    /// Where an error of writing is shown: in the dialog that waits for it, or in the question that was answered with
-    /// saving.
+    /// Error field of the dialog that waits for this file to be written, or of the question that was answered with
+    /// *Save*.
     pub(crate) fn failure(&mut self, path: &Path) -> Option<&mut Option<String>> {
         let save = self.save.as_mut().map(|draft| &mut draft.form);
         let report = self.report.as_mut().map(|draft| &mut draft.form);
@@ -60,12 +60,12 @@ impl Dialogs {
     }
 }
 
-/// What takes session or controller away, while that is to be confirmed.
+/// Action that closes the session or its connection, until it is confirmed.
 #[derive(Debug)]
 pub(crate) struct LeavingDraft {
     pub(crate) leaving: Leaving,
     pub(crate) failure: Option<String>,
-    /// Whether the operator agrees that an armed controller is disconnected.
+    /// Whether the operator agrees to disconnect an armed controller.
     pub(crate) may_disarm: bool,
 }
 
@@ -79,7 +79,7 @@ impl From<Leaving> for LeavingDraft {
     }
 }
 
-/// A file that is to be saved.
+/// File to be saved.
 #[derive(Debug, Clone)]
 pub(crate) struct SaveDraft {
     pub(crate) form: SaveForm,
@@ -113,7 +113,7 @@ impl SaveContent {
         }
     }
 
-    /// Writes it to a file.
+    /// Command that writes the file.
     pub(crate) fn command(&self, path: PathBuf) -> Command {
         match self.clone() {
             Self::Session => FileCommand::SaveAs(path).into(),

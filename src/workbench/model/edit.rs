@@ -1,5 +1,5 @@
-//! What the operator edits, and how it is undone. What was measured here is never undone: those poses stay. What was
-//! imported can be, as long as nothing was measured after it: it is still in its file.
+//! Edits of the operator and their undo. Poses measured here are never undone. An import can be undone as long as
+//! nothing was measured after it, because it is still in its file.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,39 +19,39 @@ use tautline_workflow::signature::replace_hypothesis;
 pub enum Edit {
     Rename(String),
     SetMethod(Method),
-    /// Chooses the probability of a false alarm of the diagnosis.
+    /// Sets the false alarm probability of the diagnosis.
     SetAlpha(f64),
-    /// Adds effects to the model: their parameters are identified, too. The text says which, for the undo menu.
+    /// Adds effects to the model, whose parameters are then identified; the text names them in the undo menu.
     AddEffects(Vec<EffectSetting>, String),
-    /// Makes a pattern of unexplained errors known to the robot and adds it to the model.
+    /// Adds a pattern of unexplained errors to the robot and the model.
     AddPattern {
-        /// The text of its hypothesis.
+        /// Text of the hypothesis.
         hypothesis: String,
         effect: Box<EffectSetting>,
         name: String,
     },
-    /// Makes a hypothesis known to the robot, in place of one with the same identifier.
+    /// Adds a hypothesis to the robot, or replaces the one with the same identifier.
     SetHypothesis(Box<Hypothesis>),
-    /// Takes a hypothesis, by its identifier, out of the robot and the model.
+    /// Removes a hypothesis, by its identifier, from the robot and the model.
     RemoveHypothesis(String),
-    /// Takes effects out of the model, whatever their values; the text says which, for the undo menu.
+    /// Removes effects from the model, whatever their values; the text names them in the undo menu.
     RemoveEffects(Vec<EffectSetting>, String),
-    /// Leaves a pose out.
+    /// Excludes a pose.
     Exclude(i64),
-    /// Takes a pose back in.
+    /// Includes an excluded pose again.
     Include(i64),
-    /// Chooses when a measuring run ends.
+    /// Sets the end condition of a measuring run.
     SetUntil(UntilSettings),
-    /// Replaces the poses that are to be measured; the text says why, for the undo menu.
+    /// Replaces the planned poses; the text describes the edit in the undo menu.
     SetPlan(Vec<PlannedPose>, String),
-    /// Replaces the robot's description; the text says why, for the undo menu.
+    /// Replaces the description of the robot; the text describes the edit in the undo menu.
     SetRobot(Box<Robot>, String),
-    /// Replaces how the controller is reached and where the laser distance comes from.
+    /// Replaces the connection to the controller and the source of the laser distance.
     SetConnection(Box<(Connection, LaserSettings)>),
-    /// Replaces raw data of the phases around the poses; the text says which, for the undo menu.
+    /// Replaces raw data of phases 1, 2 and 5; the text names them in the undo menu.
     SetPhases(Box<PhaseData>, String),
-    /// Takes poses of a foreign file instead of those of the session, which are empty or imported themselves; the text says
-    /// which file, for the undo menu.
+    /// Replaces the poses of the session, which are empty or imported, by those of a foreign file; the text names the
+    /// file in the undo menu.
     Import(Arc<Measurements>, String),
 }
 
@@ -78,7 +78,7 @@ impl Edit {
         }
     }
 
-    /// Part of the session's log that tells it; `None` for what its command tells, or what changes no result.
+    /// Phase of the session's log that records the edit; `None` if its command does so, or if it changes no result.
     pub(super) fn log_phase(&self) -> Option<LogPhase> {
         match self {
             Self::AddEffects(..)
@@ -97,7 +97,7 @@ impl Edit {
         }
     }
 
-    /// Does it; what cannot be done, as excluding the home pose, changes nothing.
+    /// Applies the edit; an edit that is not possible, such as excluding the home pose, changes nothing.
     fn apply(self, session: &mut Session) {
         let effects = &mut session.settings.identification.effects;
         match self {
@@ -108,7 +108,7 @@ impl Edit {
             Self::AddPattern {
                 hypothesis, effect, ..
             } => {
-                // A text that the robot does not take, because there are too many, changes nothing.
+                // A hypothesis that the robot rejects, because it has too many, changes nothing.
                 let parsed = Hypothesis::parse(&hypothesis);
                 if parsed.is_ok_and(|parsed| session.robot.add_hypothesis(&parsed).is_ok()) {
                     effects.retain(|old| !same_effect(old, &effect));
@@ -116,7 +116,7 @@ impl Edit {
                 }
             }
             Self::SetHypothesis(hypothesis) => {
-                // One too many changes nothing.
+                // One hypothesis too many changes nothing.
                 if replace_hypothesis(&mut session.robot, &hypothesis).is_ok() {
                     // Another text may have other parameters.
                     let robot = &session.robot;
@@ -163,7 +163,7 @@ impl Edit {
     }
 }
 
-/// Everything that edits can change.
+/// Part of the session that edits can change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Editable {
     name: String,
@@ -191,7 +191,7 @@ impl Editable {
         }
     }
 
-    /// Whether the results of `session` are those of this state: what they depend on is the same.
+    /// Whether the inputs of the identification equal those of `session`.
     fn has_inputs_of(&self, session: &Session) -> bool {
         self.robot == session.robot
             && self.settings.identification == session.settings.identification
@@ -210,47 +210,47 @@ impl Editable {
             session.include(*label);
         }
         for label in &self.excluded {
-            // It was excluded before, so it can be.
+            // The pose was excluded before, so this cannot fail.
             let _ = session.exclude(*label);
         }
     }
 }
 
-/// A former state, with the name of the edit that changed it.
+/// Earlier state, with the name of the edit that changed it.
 #[derive(Debug, Clone)]
-struct Step {
-    /// Number of the edit, never used twice.
+struct UndoStep {
+    /// Number of the edit, never reused.
     number: u64,
     name: String,
     state: Editable,
-    /// Which inputs of results it has; `None` once something was measured since.
+    /// Number of its inputs; `None` once something was measured since.
     inputs: Option<u64>,
-    /// The poses of that state, where an import replaced them.
+    /// Its poses, if an import replaced them.
     poses: Option<Measurements>,
 }
 
-/// Revision of the inputs of results after an edit or its undoing.
+/// Change of the inputs by an edit or its undoing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InputRevision {
     Unchanged,
     New,
-    /// The inputs are again those of this earlier number.
+    /// The inputs of this earlier number are back.
     Restored(u64),
 }
 
 /// Edits that can be undone and redone.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    undo: Vec<Step>,
-    redo: Vec<Step>,
+    undo: Vec<UndoStep>,
+    redo: Vec<UndoStep>,
     edits: u64,
 }
 
-/// Steps that are kept.
+/// Largest number of steps.
 const MOST: usize = 200;
 
 impl History {
-    /// Does an edit and remembers what was before, with the number of its inputs; `None` if nothing changed.
+    /// Applies an edit and stores the state before it, with the number of its inputs; `None` if nothing changed.
     pub fn perform(
         &mut self,
         edit: Edit,
@@ -258,7 +258,7 @@ impl History {
         inputs: u64,
     ) -> Option<InputRevision> {
         let is_import = matches!(edit, Edit::Import(..));
-        let step = Step {
+        let step = UndoStep {
             number: self.edits + 1,
             name: edit.name(),
             state: Editable::of(session),
@@ -283,17 +283,17 @@ impl History {
         })
     }
 
-    /// Undoes the last edit and gives its name.
+    /// Undoes the last edit and returns its name.
     pub fn undo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, InputRevision)> {
         step(&mut self.undo, &mut self.redo, session, inputs)
     }
 
-    /// Does the last undone edit again and gives its name.
+    /// Redoes the last undone edit and returns its name.
     pub fn redo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, InputRevision)> {
         step(&mut self.redo, &mut self.undo, session, inputs)
     }
 
-    /// Something was measured: no state before has the inputs that it had, and what was imported stays with it.
+    /// Invalidates the numbers of inputs after a measurement; an import before it can no longer be undone.
     pub fn forget_inputs(&mut self) {
         for steps in [&mut self.undo, &mut self.redo] {
             steps.retain(|step| step.poses.is_none());
@@ -301,26 +301,26 @@ impl History {
         }
     }
 
-    /// A run has added these poses to the plan: no undone edit comes back, and undoing one does not take them away.
+    /// Keeps poses that a run has added to the plan: drops the redo steps and adds the poses to the undo steps.
     pub fn keep_planned(&mut self, poses: &[PlannedPose]) {
         self.redo.clear();
         for step in &mut self.undo {
             let plan = &mut step.state.plan;
             plan.retain(|known| poses.iter().all(|new| new.label != known.label));
             plan.extend(poses);
-            // Home is measured first.
+            // The home pose is measured first.
             plan.sort_by_key(|planned| planned.label != 0);
         }
     }
 
-    /// Whether the last edit, or the last one that was undone, is an import.
+    /// Whether the last edit, or the last undone one, is an import.
     #[must_use]
     pub fn is_import(&self, undone: bool) -> bool {
         let steps = if undone { &self.redo } else { &self.undo };
         steps.last().is_some_and(|step| step.poses.is_some())
     }
 
-    /// Number of the edit that undo would undo, 0 before the first: with it the state comes back.
+    /// Number of the edit that undo would undo; 0 before the first.
     #[must_use]
     pub fn place(&self) -> u64 {
         self.undo.last().map_or(0, |step| step.number)
@@ -332,7 +332,7 @@ impl History {
         self.undo.last().map(|step| step.name.as_str())
     }
 
-    /// Name of the edit that redo would do again.
+    /// Name of the edit that redo would redo.
     #[must_use]
     pub fn next_redo(&self) -> Option<&str> {
         self.redo.last().map(|step| step.name.as_str())
@@ -340,8 +340,8 @@ impl History {
 }
 
 fn step(
-    from: &mut Vec<Step>,
-    to: &mut Vec<Step>,
+    from: &mut Vec<UndoStep>,
+    to: &mut Vec<UndoStep>,
     session: &mut Session,
     inputs: u64,
 ) -> Option<(String, InputRevision)> {
@@ -351,7 +351,7 @@ fn step(
     let poses = left
         .poses
         .map(|poses| std::mem::replace(&mut session.measurements, poses));
-    to.push(Step {
+    to.push(UndoStep {
         number: left.number,
         name: left.name.clone(),
         state,

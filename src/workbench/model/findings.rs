@@ -1,4 +1,4 @@
-//! What remains to be decided of a diagnosis.
+//! Findings of a diagnosis that are still to be decided.
 
 use tautline_core::diagnosis::Finding;
 use tautline_core::effect::EffectSetting;
@@ -18,21 +18,21 @@ pub(crate) fn are_in_model(open: &OpenSession, effects: &[EffectSetting]) -> boo
     effects.iter().all(is_added)
 }
 
-/// Whether the model explains the readings with what was found.
+/// Whether the model, with the findings, explains the readings.
 pub(crate) fn explain(diagnosed: &Diagnosed) -> bool {
     let diagnosis = &diagnosed.diagnosis;
     let is_extended = !diagnosis.findings.is_empty();
     diagnosis.base.adequate || is_extended && diagnosis.extended.adequate
 }
 
-/// Whether the cause of a finding has one of these effects.
+/// Whether one of these effects belongs to the cause of a finding.
 pub(crate) fn has_any(diagnosed: &Diagnosed, finding: &Finding, effects: &[EffectSetting]) -> bool {
     let settings = finding.cause().map(|cause| diagnosed.settings(cause));
     let mut settings = settings.into_iter().flatten();
     settings.any(|one| effects.iter().any(|other| same_effect(&one, other)))
 }
 
-/// The findings of which no cause is in the model yet.
+/// Findings without a cause in the model.
 pub(crate) fn undecided<'d>(open: &OpenSession, diagnosed: &'d Diagnosed) -> Vec<&'d Finding> {
     let is_undecided = |finding: &&Finding| {
         let mut causes = finding.causes();
@@ -42,7 +42,7 @@ pub(crate) fn undecided<'d>(open: &OpenSession, diagnosed: &'d Diagnosed) -> Vec
     findings.filter(is_undecided).collect()
 }
 
-/// The edit that adds the causes of some findings.
+/// Edit that adds the causes of findings to the model.
 pub(crate) fn adding(diagnosed: &Diagnosed, findings: &[&Finding]) -> Edit {
     let causes = findings.iter().filter_map(|finding| finding.cause());
     let what = match findings {
@@ -60,7 +60,7 @@ pub(crate) fn adding_named(name: &str) -> String {
     format!("add {name} to the model")
 }
 
-/// The edit that extends the model by a pattern.
+/// Edit that adds a pattern to the model.
 pub(crate) fn extending(pattern: &PatternDocument) -> Edit {
     let sizes = pattern.parameters.iter();
     let effect = EffectSetting {
@@ -75,7 +75,7 @@ pub(crate) fn extending(pattern: &PatternDocument) -> Edit {
     }
 }
 
-/// Whether all these poses are to be measured.
+/// Whether all these poses are planned.
 pub(crate) fn are_planned(open: &OpenSession, poses: &[Pose]) -> bool {
     let plan = &open.session().plan;
     let position = |pose: &Pose| <[f64; 3]>::from(pose.position);
@@ -87,7 +87,7 @@ pub(crate) fn are_planned(open: &OpenSession, poses: &[Pose]) -> bool {
     })
 }
 
-/// The edit that adds poses to the plan, under labels that are free.
+/// Edit that adds poses to the plan, under new labels.
 pub(crate) fn planning(open: &OpenSession, poses: &[Pose]) -> Edit {
     let session = open.session();
     let labels = session.measurements.labels.iter().copied();

@@ -1,4 +1,4 @@
-//! A running identification: how its residuals shrink.
+//! Progress of a running identification: its residuals after each step.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -20,13 +20,13 @@ struct Course {
 }
 
 impl FitProgress {
-    /// The data that are fitted.
+    /// Begins with the data to be fitted.
     pub fn begin(&self, dataset: &Dataset) {
         self.course(|course| course.readings = readings(dataset));
     }
 
-    /// Takes the chi-square of a step; gives the root mean square of the residuals over their noise, as if every
-    /// reading were redundant.
+    /// Adds the chi-square of a step; returns the root mean square of the normalised residuals, as if every reading
+    /// were redundant.
     pub fn step(&self, chi2: f64) -> f64 {
         self.course(|course| {
             let missed = (chi2 / course.readings.max(1) as f64).sqrt();
@@ -35,12 +35,12 @@ impl FitProgress {
         })
     }
 
-    /// Root mean square of the residuals over their noise after each step.
+    /// Root mean square of the normalised residuals after each step.
     pub fn missed(&self) -> Vec<f64> {
         self.course(|course| course.missed.clone())
     }
 
-    /// The operator does not want the result any more, even if it is there by now.
+    /// Marks the identification as unwanted, even if its result is there by now.
     pub fn stop(&self) {
         self.course(|course| course.stopped = true);
     }
@@ -54,42 +54,42 @@ impl FitProgress {
     }
 }
 
-/// How well the model fitted before a change.
+/// Fit before a change of the model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Before {
+pub struct PreviousFit {
     pub what: String,
-    /// By how many times their noise the readings were missed.
+    /// Root mean square of the residuals over that of noise alone.
     pub missed: Option<f64>,
     pub chi2: f64,
     pub degrees_of_freedom: f64,
 }
 
-/// Effects whose identification has not ended yet.
+/// Added effects whose identification is still running.
 #[derive(Debug)]
-pub(crate) struct Adding {
+pub(crate) struct PendingEffects {
     pub(crate) effects: Vec<EffectSetting>,
     pub(crate) inputs: u64,
-    /// Place of the edit in the history.
+    /// Number of the edit in the history.
     pub(crate) place: u64,
 }
 
-/// What accompanies the identification of the open session.
+/// State of the identification of the open session.
 #[derive(Debug, Default)]
 pub struct IdentificationState {
-    /// The identification that runs or ran last.
+    /// Progress of the running or last identification.
     pub progress: FitProgress,
-    /// The fit before the last change of the model.
-    pub before: Option<Before>,
-    pub(crate) adding: Option<Adding>,
-    /// The effects that were taken out again because the identification with them failed, and why it did.
+    /// Fit before the last change of the model.
+    pub before: Option<PreviousFit>,
+    pub(crate) adding: Option<PendingEffects>,
+    /// Effects that were removed again because the identification with them failed, with the reason.
     pub(crate) not_added: Option<(Vec<EffectSetting>, String)>,
-    /// The check before it, with the number of the inputs that were checked.
+    /// Check of the readings, with the number of the inputs.
     pub readiness: Option<(u64, Readiness)>,
-    /// Patterns of what is unexplained, or one sentence, with the number of the inputs.
+    /// Patterns in the unexplained residuals, or an error message, with the number of the inputs.
     pub patterns: Option<(u64, Result<Vec<PatternDocument>, String>)>,
 }
 
-/// Number of lengths, distances and angles that were read.
+/// Number of measured lengths, distances and angles.
 fn readings(dataset: &Dataset) -> usize {
     let data = &dataset.measurements;
     let grids = [&data.revolutions, &data.length_m, &data.swivel_rad];

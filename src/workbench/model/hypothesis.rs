@@ -1,4 +1,4 @@
-//! The hypothesis that is being written, what it does to the residuals, and the gallery of all effects.
+//! The hypothesis being written, its preview, and the gallery of all effects.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use tautline_core::robot::{Robot, presets};
 use tautline_workflow::signature::Gallery;
 
 use super::Model;
-use super::command::Previewed;
+use super::command::PreviewResult;
 
-/// What a new hypothesis begins with: one that works, to be changed.
+/// Initial text of a new hypothesis: a complete example, to be edited.
 pub const TEMPLATE: &str = r#"# What you suspect, as a formula. This one works: change it.
 id = "my_hypothesis"
 title = "Encoder picks up its neighbour"
@@ -27,32 +27,32 @@ typical = [0.001, 0.01]    # smallest and largest size to expect
 paid = "paid + share * paid_of(next)"
 "#;
 
-/// The text of a hypothesis while it is written.
+/// Text of a hypothesis while it is edited.
 #[derive(Debug)]
 pub struct HypothesisDraft {
     text: String,
-    /// The text that is in a session or in a file, or with which it began.
+    /// Last text that was saved to a session or file, or the initial text.
     kept: String,
     checked: Result<Hypothesis, HypothesisError>,
-    /// Its file, if it has one.
+    /// File of the hypothesis, if any.
     pub file: Option<PathBuf>,
-    /// What it does to the residuals.
+    /// Effect of the hypothesis on the residuals.
     pub preview: Option<Preview>,
-    /// Which of the targets is shown.
+    /// Index of the target that is shown.
     pub placement: usize,
-    /// Tells it from every other draft.
+    /// Number that distinguishes it from other drafts.
     pub number: u64,
 }
 
-/// What a text of a hypothesis does to the residuals of some inputs.
+/// Effect of a hypothesis on the residuals of some inputs.
 #[derive(Debug)]
 pub struct Preview {
     text: String,
     inputs: Option<u64>,
-    pub result: Result<Previewed, String>,
+    pub result: Result<PreviewResult, String>,
 }
 
-/// What waits until it is decided what becomes of an unsaved text.
+/// Action that waits for the answer about an unsaved text.
 #[derive(Debug, Clone)]
 pub enum AfterHypothesis {
     /// Begins with another text.
@@ -63,13 +63,13 @@ pub enum AfterHypothesis {
     Quit,
 }
 
-/// Hypotheses in the window.
+/// State of the hypotheses.
 #[derive(Debug, Default)]
 pub struct HypothesisState {
     pub draft: Option<HypothesisDraft>,
-    /// What waits for an answer about the unsaved text.
+    /// Action that waits for the answer about the unsaved text.
     pub(crate) asking: Option<AfterHypothesis>,
-    /// The gallery, or one sentence, with the robot that it was asked for.
+    /// Gallery, or an error message, with the robot it was computed for.
     pub gallery: Option<(Robot, Result<Arc<Gallery>, String>)>,
     drafts: u64,
 }
@@ -92,7 +92,7 @@ impl HypothesisDraft {
         &self.text
     }
 
-    /// The hypothesis that the text states, or its first mistake.
+    /// Hypothesis of the text, or its first error.
     pub fn checked(&self) -> Result<&Hypothesis, &HypothesisError> {
         self.checked.as_ref()
     }
@@ -102,7 +102,7 @@ impl HypothesisDraft {
         self.text != self.kept
     }
 
-    /// A text was written to a file or a session.
+    /// Marks a text as saved to a file or session.
     pub(crate) fn keep(&mut self, text: &str) {
         text.clone_into(&mut self.kept);
     }
@@ -114,18 +114,18 @@ impl HypothesisDraft {
         }
     }
 
-    /// Whether what it does to the residuals of these inputs is still to be computed.
+    /// Whether the preview for these inputs has still to be computed.
     #[must_use]
     pub fn lacks_preview(&self, inputs: Option<u64>) -> bool {
         let is_of = |preview: &Preview| preview.text == self.text && preview.inputs == inputs;
         self.checked.is_ok() && !self.preview.as_ref().is_some_and(is_of)
     }
 
-    /// Takes what was computed, if it is of the present text.
+    /// Stores a preview if it belongs to the present text.
     pub(crate) fn take_preview(
         &mut self,
         (text, inputs): (String, Option<u64>),
-        result: Result<Previewed, String>,
+        result: Result<PreviewResult, String>,
     ) {
         if text == self.text {
             self.placement = 0;
@@ -150,14 +150,14 @@ fn check(text: &str) -> Result<Hypothesis, HypothesisError> {
 }
 
 impl HypothesisState {
-    /// Whether a text is in no file and no session.
+    /// Whether the text of the draft is unsaved.
     #[must_use]
     pub fn is_unsaved(&self) -> bool {
         let draft = self.draft.as_ref();
         draft.is_some_and(HypothesisDraft::is_unsaved)
     }
 
-    /// Begins with a text, whatever there was before.
+    /// Begins a new draft, dropping the one before.
     pub(crate) fn begin(&mut self, text: String, file: Option<PathBuf>) {
         self.drafts += 1;
         self.draft = Some(HypothesisDraft::new(text, file, self.drafts));
@@ -165,7 +165,7 @@ impl HypothesisState {
 }
 
 impl Model {
-    /// The robot of the session, or one to try effects on, with the poses at which it was measured.
+    /// Robot of the session with its identified poses; without a session, an example robot.
     #[must_use]
     pub fn robot_of_effects(&self) -> Option<(Robot, Vec<Pose>)> {
         let Some(open) = &self.open else {

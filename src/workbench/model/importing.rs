@@ -1,4 +1,4 @@
-//! Files of other programs on their way into the session.
+//! Import of files of other programs into the session.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,29 +10,29 @@ use tautline_import::{
 use tautline_workflow::importing::Outlines;
 use tautline_workflow::readiness::CheckItem;
 
-/// A channel, by the indices of its series and of itself; those of text follow those of numbers.
+/// Indices of a channel: its series and its position there; text channels follow numeric ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ChannelPlace {
     /// Index of the series among those of all sources.
     pub series: usize,
-    /// Index in it.
+    /// Index among the channels of the series.
     pub channel: usize,
 }
 
-/// Poses that were cut with a recipe, or why there are none.
+/// Poses cut by a recipe, or the reason why there are none.
 #[derive(Debug)]
 pub struct Cut {
-    /// The revision of the draft that it is of.
+    /// Revision of the draft.
     pub revision: u64,
     pub result: Result<Imported, ImportError>,
     /// The check of the poses as readings of the robot.
     pub checks: Vec<CheckItem>,
-    /// Times of the rows of each series (s), on the common clock.
+    /// Times of the rows of each series (s), in the common clock.
     pub times: Vec<Option<Vec<f64>>>,
 }
 
 impl Cut {
-    /// The poses as they lie in the recording, also where they cannot be those of the robot.
+    /// Poses found in the recording, even if they cannot be those of the robot.
     #[must_use]
     pub fn poses(&self) -> &[PoseReport] {
         match &self.result {
@@ -41,7 +41,7 @@ impl Cut {
         }
     }
 
-    /// What the check of the data suggests.
+    /// Corrections suggested by the check of the data.
     #[must_use]
     pub fn suggestions(&self) -> &[Suggestion] {
         match &self.result {
@@ -51,18 +51,18 @@ impl Cut {
     }
 }
 
-/// Sources with their recipe and the poses cut with it.
+/// Sources with their recipe and the poses it cuts.
 #[derive(Debug)]
 pub struct OpenImport {
     pub draft: Draft,
-    /// Courses of the channels.
+    /// Outlines of the channels, for plotting.
     pub outlines: Arc<Outlines>,
-    /// What the recipe makes of the channels: columns of poses.csv by series and name.
+    /// Columns of poses.csv that the recipe makes of the channels, by series and name.
     pub uses: BTreeMap<(usize, String), String>,
-    /// The last cut; of an older revision while a new one is made.
+    /// Last cut; of an older revision while a new one is being computed.
     pub cut: Option<Arc<Cut>>,
     pub shown: ChannelPlace,
-    /// Whether its poses are in a session, so that the next file begins another import.
+    /// Whether the poses are in a session already, so that the next file begins another import.
     pub is_taken: bool,
 }
 
@@ -102,13 +102,13 @@ impl OpenImport {
         });
     }
 
-    /// Finds what the recipe makes of the channels.
+    /// Updates the columns that the recipe makes of the channels.
     pub fn follow(&mut self, robot: &Robot) {
         let recipe = self.draft.recipe();
         self.uses = uses(self.draft.sources(), recipe, robot.cable_count());
     }
 
-    /// The first channel of numbers that moves, else the first that is used.
+    /// First channel of revolutions, otherwise of lengths, otherwise the first that is used.
     fn first_used(&self) -> Option<ChannelPlace> {
         let place = |column: &str| {
             let mut found = self
@@ -129,7 +129,7 @@ impl OpenImport {
         Some(ChannelPlace { series, channel })
     }
 
-    /// The series of all sources.
+    /// Series of all sources.
     pub fn all_series(&self) -> impl Iterator<Item = &tautline_import::Series> {
         self.draft
             .sources()
@@ -137,7 +137,7 @@ impl OpenImport {
             .flat_map(|source| &source.series)
     }
 
-    /// Whether the cut is of the recipe as it is now.
+    /// Whether the cut belongs to the present revision.
     #[must_use]
     pub fn is_current(&self) -> bool {
         self.cut
@@ -145,7 +145,7 @@ impl OpenImport {
             .is_some_and(|cut| cut.revision == self.draft.revision())
     }
 
-    /// What the check suggests of the recipe as it is now, except what the recipe has already.
+    /// Suggestions for the present revision that the recipe does not contain yet.
     #[must_use]
     pub fn suggestions(&self) -> Vec<Suggestion> {
         let cut = self.cut.iter().filter(|_| self.is_current());
@@ -161,17 +161,17 @@ impl OpenImport {
     }
 }
 
-/// Files of other programs on their way into the session.
+/// State of the import.
 #[derive(Debug, Default)]
 pub struct ImportState {
-    /// The import, once a robot is known.
+    /// Import, once a robot is known.
     pub open: Option<OpenImport>,
-    /// Sources that wait for a robot.
+    /// Sources without a robot yet.
     pub waiting: Vec<Source>,
-    /// The recipe that was used last, for the next file.
+    /// Recipe used last, applied to the next file.
     pub last_recipe: Option<Recipe>,
-    /// Whether the poses replace those that the session imported before.
+    /// Whether the poses replace those imported before.
     pub replaces: bool,
-    /// Whether the signs, units and channels that the next check finds wrong are corrected in the recipe.
+    /// Whether wrong signs, units and channels found by the next check are corrected in the recipe.
     pub corrects: bool,
 }

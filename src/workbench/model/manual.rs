@@ -1,10 +1,10 @@
-//! The manual: pages of Markdown with pictures, the same that are in the repository.
+//! The manual: pages of Markdown with pictures, as in the repository.
 
 use super::phase::{Phase, Screen};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Page {
-    /// How to begin, and what is where.
+    /// First steps, and the layout of the window.
     Start,
     /// Files of other programs.
     Import,
@@ -18,15 +18,15 @@ pub enum Page {
     Identification,
     /// Phase 5.
     Adjustment,
-    /// Plots, and the table of statistics.
+    /// Plots and the table of statistics.
     Plots,
-    /// Comparing sessions, and reports.
+    /// Comparison of sessions, and reports.
     Report,
-    /// The record of a robot, and its health check.
+    /// Record of a robot, and its health check.
     Record,
     /// Hypotheses of the user, and the gallery of effects.
     Hypotheses,
-    /// What each number means.
+    /// Meaning of each number.
     Numbers,
 }
 
@@ -45,7 +45,7 @@ macro_rules! picture {
     };
 }
 
-/// The pictures of the pages: name of the file and PNG.
+/// Pictures of the pages: file name and PNG.
 pub const PICTURES: [(&str, &[u8]); 12] = [
     picture!("start.png"),
     picture!("phase-1.png"),
@@ -62,7 +62,7 @@ pub const PICTURES: [(&str, &[u8]); 12] = [
 ];
 
 impl Page {
-    /// All, in the order of reading.
+    /// All pages, in reading order.
     pub const ALL: [Self; 12] = [
         Self::Start,
         Self::Import,
@@ -95,7 +95,7 @@ impl Page {
         }
     }
 
-    /// Name of its file, by which other pages refer to it.
+    /// File name without extension, by which other pages link to it.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.file().0
@@ -106,14 +106,13 @@ impl Page {
         self.file().1
     }
 
-    /// Its heading.
     #[must_use]
     pub fn title(self) -> &'static str {
         let first = self.text().lines().next().unwrap_or_default();
         first.trim_start_matches("# ")
     }
 
-    /// The page about what is on the screen.
+    /// Page about a screen.
     #[must_use]
     pub fn of(screen: Screen) -> Self {
         match screen {
@@ -140,7 +139,7 @@ impl Page {
 mod tests {
     use super::*;
 
-    /// Targets of links and pictures: what stands in round brackets after square ones.
+    /// Targets of links and pictures: the text in round brackets after square ones.
     fn targets(text: &str) -> Vec<&str> {
         let parts = text.split("](").skip(1);
         parts.filter_map(|part| part.split(')').next()).collect()

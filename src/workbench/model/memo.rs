@@ -1,6 +1,6 @@
-//! A value that is computed again only when what it depends on has changed.
+//! A value that is recomputed only when its key changes.
 
-/// The last value with the key it belongs to.
+/// Last value with its key.
 #[derive(Debug)]
 pub struct Memo<K, T> {
     kept: Option<(K, T)>,

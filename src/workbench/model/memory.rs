@@ -1,4 +1,4 @@
-//! Memory that large tasks have freed.
+//! Release of the memory of large tasks.
 #![cfg_attr(
     all(target_os = "linux", target_env = "gnu"),
     expect(
@@ -7,13 +7,13 @@
     )
 )]
 
-/// Gives what was freed back to the system. The allocator of Linux would keep most of it for later: each thread has its
-/// own, and what is still in use at the end of one holds all before it.
+/// Returns freed memory to the system. The allocator of Linux would keep most of it: it has one arena per thread, and a
+/// block in use at the end of an arena keeps all memory before it.
 pub fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: takes no pointers, and may be called at any time on any thread.
     unsafe {
-        // Whether there was anything to give back does not matter.
+        // It does not matter whether there was anything to release.
         libc::malloc_trim(0);
     }
 }

@@ -1,4 +1,4 @@
-//! Messages to the operator: the last one is in the status bar, all of them in the log.
+//! Messages to the operator: the last one is in the status bar, all are in the log.
 
 use tautline_session::Timestamp;
 
@@ -7,23 +7,23 @@ use tautline_workflow::wording::sentence;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Good to know.
+    /// Information.
     Info,
-    /// Something is not as expected.
+    /// Unexpected, but not an error.
     Warning,
-    /// Something did not work.
+    /// A failure.
     Error,
 }
 
-/// What an error is about: once that has been done after all, the error is no longer shown above the window.
+/// Cause of an error; once it is resolved, the error is no longer shown above the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cause {
     /// Reading a file or a session.
     Opening,
     Saving,
-    /// Keeping unsaved changes on disk.
+    /// Writing unsaved changes to the recovery folder.
     Autosave,
-    /// What was typed.
+    /// Input of the operator.
     Entry,
     Connection,
     Adjustment,
@@ -39,23 +39,23 @@ pub struct Message {
     pub text: String,
 }
 
-/// Messages since the program began, the oldest first.
+/// Messages since the start of the program, oldest first.
 #[derive(Debug, Default)]
 pub struct Messages {
     all: Vec<Message>,
-    /// The last error, until the operator has seen it or its cause is gone.
+    /// Last error, until it is dismissed or its cause is resolved.
     alert: Option<(Message, Option<Cause>)>,
-    /// How many there were at the end of the last frame.
+    /// Number of messages at the end of the last frame.
     known: usize,
-    /// How many were said on screens that were left.
+    /// Number of messages from earlier screens.
     left: usize,
 }
 
-/// Older messages are dropped beyond this number.
+/// Largest number of messages; older ones are dropped.
 const MOST: usize = 2000;
 
 impl Messages {
-    /// Adds a message to the log alone.
+    /// Adds a message to the log only.
     pub(crate) fn log(&mut self, severity: Severity, text: impl Into<String>) {
         if self.all.len() == MOST {
             self.all.remove(0);
@@ -77,12 +77,12 @@ impl Messages {
         self.log(Severity::Warning, text);
     }
 
-    /// Adds an error, which is shown until the operator has seen it.
+    /// Adds an error, which is shown until it is dismissed.
     pub fn error(&mut self, text: impl Into<String>) {
         self.alarm(None, text);
     }
 
-    /// Adds an error, which is shown until the operator has seen it or [`Self::resolve`] ends its cause.
+    /// Adds an error, which is shown until it is dismissed or [`Self::resolve`] is called for its cause.
     pub(crate) fn failure(&mut self, cause: Cause, text: impl Into<String>) {
         self.alarm(Some(cause), text);
     }
@@ -92,18 +92,18 @@ impl Messages {
         self.alert = self.all.last().map(|message| (message.clone(), cause));
     }
 
-    /// The cause of an error is gone, or is tried anew.
+    /// Hides the error of a cause that is gone or is being retried.
     pub(crate) fn resolve(&mut self, cause: Cause) {
         self.alert.take_if(|(_, of)| *of == Some(cause));
     }
 
-    /// The error that is shown above the window.
+    /// Error shown above the window.
     #[must_use]
     pub fn alert(&self) -> Option<&Message> {
         self.alert.as_ref().map(|(message, _)| message)
     }
 
-    /// Whether the error that is shown is one of saving.
+    /// Whether the error shown is one of saving.
     #[must_use]
     pub fn failed_to_save(&self) -> bool {
         self.alert
@@ -111,7 +111,7 @@ impl Messages {
             .is_some_and(|(_, of)| *of == Some(Cause::Saving))
     }
 
-    /// The operator has seen the last error.
+    /// Dismisses the last error.
     pub fn dismiss(&mut self) {
         self.alert = None;
     }
@@ -126,24 +126,24 @@ impl Messages {
         self.all.last()
     }
 
-    /// The last message on the present screen.
+    /// Last message of the present screen.
     #[must_use]
     pub fn last_here(&self) -> Option<&Message> {
         self.all.get(self.left..)?.last()
     }
 
-    /// The screen was left; what was said along with that belongs to the next one.
+    /// Leaves a screen; messages of the present frame belong to the next screen.
     pub(crate) fn leave(&mut self) {
         self.left = self.known;
     }
 
-    /// A frame has ended.
+    /// Marks the end of a frame.
     pub(crate) fn mark(&mut self) {
         self.known = self.all.len();
     }
 }
 
-/// A text as a sentence: with a capital letter first and a full stop at its end.
+/// Text as a sentence, with a capital letter and a full stop.
 #[must_use]
 pub fn full_sentence(text: &str) -> String {
     format!("{}.", sentence(text.trim_end_matches('.')))

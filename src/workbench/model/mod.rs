@@ -1,4 +1,4 @@
-//! Everything the window knows. It knows nothing of the screens and views that show it: they read it and send commands.
+//! State of the application. It does not depend on screens and views: they read it and send commands.
 
 pub(crate) mod autosave;
 pub(crate) mod caught_panic;
@@ -65,104 +65,103 @@ use tautline_workflow::wording::sentence;
 
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// What to open: a session, a robot or a dataset folder.
+    /// Session, robot or dataset folder to open.
     pub path: Option<PathBuf>,
-    /// Where preferences and what is not saved yet lie; by default where the system has such things.
+    /// Folders of preferences and unsaved sessions; by default those of the system.
     pub folders: Option<Folders>,
-    /// Seed of the demonstration, to have the same one again; by default the time.
+    /// Seed of the demonstration, to repeat it; by default the time.
     pub demo_seed: Option<u64>,
-    /// How many times faster than real the simulated robot moves; by default [`link::SIMULATED_SPEED`].
+    /// Time factor of the simulated robot; by default [`link::SIMULATED_SPEED`].
     pub robot_speed: Option<f64>,
-    /// Where to describe what the window shows, for programs that drive it from the outside.
+    /// File that describes the content of the window, for programs that operate it from outside.
     pub observed: Option<PathBuf>,
-    /// Whether files are chosen in a window of the program even where the desktop has dialogs for that.
+    /// Whether the program's own file chooser is used even if the desktop has one.
     pub no_desktop_dialogs: bool,
     /// Longest time of a diagnosis (s); by default [`TIME_LIMIT_S`].
     pub diagnosis_limit_s: Option<f64>,
-    /// Where passwords are kept; by default in the keyring of the desktop.
+    /// Store of passwords; by default the keyring of the desktop.
     pub passwords: Option<Arc<dyn PasswordStore>>,
 }
 
-/// What is shown of the measured poses and of the robot in motion.
+/// Playback of the measured poses, and view of the moving robot.
 #[derive(Debug)]
 pub struct Playback {
-    /// Whether the measured poses are played one after the other.
+    /// Whether the measured poses are being played back.
     pub plays: bool,
-    /// Draws the moving robot at its present pose instead of the selected one.
+    /// Whether the moving robot is drawn at its live pose instead of the selected one.
     pub follows: bool,
 }
 
-/// Draws the robot for a report as PNG, with the coordinates of the pulleys of these indices; or one sentence on why not.
+/// Renders the robot for a report as PNG, with the coordinates of the pulleys of these indices; or an error message.
 pub type ReportPicture =
     fn(&Session, Option<&Identification>, &BTreeSet<usize>) -> Result<Vec<u8>, String>;
 
-/// Identity and revision of the session with the address of its fit, whether the controller is connected and the version of
-/// its parameters.
+/// Id and revision of the session and the address of its fit; connection state of the controller and version of its
+/// parameters.
 type ReviewKey = ((u64, u64, usize), (bool, u64));
 
 pub struct Model {
     pub options: Options,
-    /// Where fonts, theme and the window are set.
+    /// Context of egui, which holds fonts, theme and window.
     pub context: egui::Context,
     pub open: Option<OpenSession>,
-    /// What the window shows.
+    /// Current screen.
     pub screen: Screen,
-    /// The screens that led to the present one, itself the last.
+    /// Screens that led to the current one, which is the last.
     trail: Vec<Screen>,
     pub selection: Selection,
-    /// The part of a phase's screen that has the whole window, if one has.
-    pub maximised: Option<part::Part>,
-    /// The pulley that is inspected, by the index of its cable.
+    /// Maximised part of a phase's screen, if any.
+    pub maximised: Option<part::ScreenPart>,
+    /// Inspected pulley, by the index of its cable.
     pub inspected: Option<usize>,
-    /// What is shown of the measured poses and of the robot in motion.
+    /// Playback of the measured poses, and view of the moving robot.
     pub playback: Playback,
-    /// Present pose of the platform while the views follow it.
+    /// Live platform while the views follow it.
     pub live_platform: Option<LivePlatform>,
-    /// What accompanies the identification.
     pub identification: IdentificationState,
-    /// What to expect of the poses that are planned.
+    /// Predicted accuracy of the planned poses.
     pub outlook: Option<PlanOutlook>,
-    /// Id and revision of the session for which that was checked.
+    /// Id and revision of the session for which the prediction was last checked.
     outlook_checked: Option<(u64, u64)>,
     pub comparison: ComparisonState,
-    /// The identified values in a file of a firmware or simulator.
+    /// Correction of a firmware or simulator file.
     pub(crate) corrected: Option<FileCorrection>,
     pub record: RecordState,
     pub hypothesis: HypothesisState,
-    /// Files of other programs on their way into the session.
+    /// Import of files of other programs.
     pub importing: ImportState,
-    /// Keeps commands from the file of the open session while it has unsaved changes.
+    /// Keeps command-line programs away from the session file while there are unsaved changes.
     pub session_lock: SessionLock,
     /// Writes unsaved changes to the recovery folder.
     pub autosave: Autosave,
-    /// Where preferences and what is not saved yet lie.
+    /// Folders of preferences and unsaved sessions.
     pub folders: Folders,
     pub preferences: Preferences,
-    /// Unsaved sessions of programs that ended without saving, once they were looked for.
+    /// Unsaved sessions of programs that ended without saving, once found.
     pub unsaved_sessions: Vec<UnsavedSession>,
-    /// A panic that was caught, until the operator has seen it.
+    /// Last caught panic, until it is dismissed.
     pub caught_panic: Option<CaughtPanic>,
-    /// Running work.
+    /// Running tasks.
     pub tasks: Tasks,
     pub link: Link,
     review: RefCell<Memo<ReviewKey, Arc<Review>>>,
     pub messages: Messages,
     pub dialogs: Dialogs,
-    /// Draws the robot for reports.
+    /// Renders the robot for reports.
     pub report_picture: ReportPicture,
-    /// What commands want of panels and views, in order.
+    /// Requests to panels and views, in order.
     pub(crate) requests: Vec<UiRequest>,
 }
 
 impl Model {
-    /// The file of a firmware or simulator with the values of the present identification.
+    /// Correction of a firmware or simulator file by the present identification.
     #[must_use]
     pub(crate) fn corrected_file(&self) -> Option<&FileCorrection> {
         let inputs = self.open.as_ref()?.inputs();
         self.corrected.as_ref().filter(|one| one.inputs == inputs)
     }
 
-    /// The model at the start of the program.
+    /// State at the start of the program.
     #[must_use]
     pub fn new(context: &egui::Context, options: Options, report_picture: ReportPicture) -> Self {
         let mut messages = Messages::default();
@@ -224,17 +223,17 @@ impl Model {
         self.options.diagnosis_limit_s.unwrap_or(TIME_LIMIT_S)
     }
 
-    /// Asks something of panels and views.
+    /// Sends a request to panels and views.
     pub fn request(&mut self, request: UiRequest) {
         self.requests.push(request);
     }
 
-    /// Takes what was asked of panels and views since the last call.
+    /// Removes and returns the requests.
     pub fn take_requests(&mut self) -> Vec<UiRequest> {
         std::mem::take(&mut self.requests)
     }
 
-    /// Forgets what was expected of another plan than the session has now.
+    /// Drops the predicted accuracy if it belongs to another plan.
     pub fn check_outlook(&mut self) {
         let key = self.open.as_ref().map(|open| (open.id(), open.revision()));
         if key != self.outlook_checked {
@@ -245,8 +244,8 @@ impl Model {
         }
     }
 
-    /// Values in the controller, or those that the session recorded while it is not connected, beside the identified ones;
-    /// empty without an identification that is up to date. Computed again only after a change.
+    /// Controller values, or without a connection those recorded in the session, beside the identified ones; empty
+    /// without a current identification. Recomputed only after a change.
     pub fn review(&self) -> Arc<Review> {
         let open = self.open.as_ref().filter(|open| open.fit_is_current());
         let Some((open, fit)) = open.and_then(|open| Some((open, open.fit()?))) else {
@@ -265,17 +264,17 @@ impl Model {
         Arc::clone(review.get(key, || Arc::new(computed())))
     }
 
-    /// Whether the open session has changes that no file has yet.
+    /// Whether the open session has unsaved changes.
     pub(crate) fn is_unsaved(&self) -> bool {
         self.open.as_ref().is_some_and(OpenSession::is_unsaved)
     }
 
-    /// Whether the end of the connection would disarm a controller of the open session.
+    /// Whether disconnecting could interrupt a motion or disarm the controller of the open session.
     pub(crate) fn would_disarm(&self) -> bool {
         self.open.is_some() && self.link.can_move()
     }
 
-    /// Why nothing may move and nothing else may be written, if so: one sentence.
+    /// Reason why motion and writing are locked after an interrupted write, if so, as a sentence.
     #[must_use]
     pub fn unsettled(&self) -> Option<String> {
         let why = adjusting::unsettled(self.open.as_ref()?.session())?;
@@ -284,7 +283,7 @@ impl Model {
         )))
     }
 
-    /// Why no pose can be decided on, where that is asked for: one sentence.
+    /// Reason why poses cannot be chosen one by one, if this is enabled, as a sentence.
     #[must_use]
     pub fn undecidable(&self) -> Option<&'static str> {
         let session = self.open.as_ref()?.session();
@@ -307,27 +306,27 @@ impl Model {
         }
     }
 
-    /// The last adjustment, if it can be taken back.
+    /// Last adjustment, if it can be rolled back.
     #[must_use]
     pub fn revertible(&self) -> Option<&Adjustment> {
         adjusting::revertible(self.open.as_ref()?.session())
     }
 
-    /// Whether what is connected, if anything, is the simulated robot of the session.
+    /// Whether the connected robot, if any, is the simulated robot of the session.
     #[must_use]
     pub fn is_true_to_session(&self) -> bool {
         let connected = self.link.connected.as_ref();
         connected.is_none_or(|connected| connected.rig.kind == RobotKind::OfSession)
     }
 
-    /// The place of the first session that can be recovered.
+    /// Index of the first session that can be recovered.
     #[must_use]
     pub fn recoverable(&self) -> Option<usize> {
         let mut left = self.unsaved_sessions.iter();
         left.position(|session| session.problem.is_none())
     }
 
-    /// The screen from which the present one was reached.
+    /// Screen before the present one.
     pub(crate) fn previous_screen(&self) -> Screen {
         if let [.., previous, _] = *self.trail {
             return previous;
@@ -339,7 +338,7 @@ impl Model {
         }
     }
 
-    /// Keeps how the present screen was reached. What was said on another one is in the log only.
+    /// Records the path to the present screen. Messages of another screen remain only in the log.
     pub(crate) fn follow_screen(&mut self) {
         let is_phase = matches!(self.screen, Screen::Phase(_));
         let before = self.trail.last();
@@ -357,10 +356,10 @@ impl Model {
         self.messages.mark();
     }
 
-    /// Names of what undo would undo and redo would do again: changes of the recipe while files are imported, else edits.
+    /// Names of the next undo and redo step: of the recipe during an import, otherwise of the session.
     #[must_use]
     pub fn next_steps(&self) -> [Option<&str>; 2] {
-        // Undo and redo are left to the text that is typed there.
+        // There, undo and redo belong to the text editor.
         if self.screen == Screen::Hypothesis {
             return [None, None];
         }
@@ -373,7 +372,7 @@ impl Model {
         [draft[0].or(edits[0]), draft[1].or(edits[1])]
     }
 
-    /// Changes the choices of the user and writes them down.
+    /// Changes the preferences and saves them.
     pub fn change_preferences(&mut self, change: impl FnOnce(&mut Preferences)) {
         change(&mut self.preferences);
         if let Err(error) = self.preferences.save(&self.folders.preferences()) {
@@ -382,11 +381,11 @@ impl Model {
     }
 }
 
-/// The folders of the user, or temporary ones where the system has none.
+/// Folders of the user, or temporary ones if the system has none.
 fn folders(messages: &mut Messages) -> Folders {
     Folders::of_user().unwrap_or_else(|error| {
         messages.warning(format!(
-            "{error}; what is not saved is kept in a temporary folder."
+            "{error}; unsaved sessions are kept in a temporary folder."
         ));
         Folders::below(&std::env::temp_dir().join("tautline"))
     })

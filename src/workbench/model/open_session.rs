@@ -1,4 +1,4 @@
-//! The open session with what was computed from it.
+//! The open session with its results.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,21 +24,21 @@ use tautline_workflow::precalibration::Calibration;
 use tautline_workflow::readiness::{CheckItem, check_readings};
 use tautline_workflow::wording::sentence;
 
-/// Numbers of inputs, never used twice, so that a result that comes late belongs to no other session. A session is known
-/// by the first of its own.
+/// Numbers of inputs, never reused, so that a late result cannot belong to another session. The first number of a
+/// session is its id.
 static NUMBERS: AtomicU64 = AtomicU64::new(0);
 
-/// Most diagnoses that are kept, so that undoing an edit brings the one of that model back.
+/// Largest number of stored diagnoses, so that undoing an edit brings back the diagnosis of that model.
 const KEPT_DIAGNOSES: usize = 8;
 
-/// A result with the number of the inputs it was computed from.
+/// Result with the number of its inputs.
 #[derive(Debug, Clone)]
 pub struct Computed<T> {
     value: Arc<T>,
     inputs: u64,
 }
 
-/// A diagnosis with its plots.
+/// Diagnosis with its plots.
 #[derive(Debug)]
 pub struct PlottedDiagnosis {
     pub diagnosed: Arc<Diagnosed>,
@@ -54,7 +54,7 @@ impl From<Diagnosed> for PlottedDiagnosis {
     }
 }
 
-/// A diagnosis with the model that it was made of.
+/// Diagnosis with the inputs and effects of its model.
 struct DiagnosisOfModel {
     result: PlottedDiagnosis,
     inputs: u64,
@@ -62,7 +62,7 @@ struct DiagnosisOfModel {
 }
 
 impl DiagnosisOfModel {
-    /// Whether a model has the effects that it was made of and, besides, only those that it proposed.
+    /// Whether a model has all effects of the diagnosed one and otherwise only effects that the diagnosis proposed.
     fn is_of(&self, effects: &[EffectSetting]) -> bool {
         let has = |all: &[EffectSetting], one: &EffectSetting| {
             all.iter().any(|other| same_effect(one, other))
@@ -80,27 +80,27 @@ impl DiagnosisOfModel {
     }
 }
 
-/// The last identification that the session keeps from before.
+/// State of the last identification stored in the session.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Stored {
+pub enum StoredFit {
     #[default]
     None,
-    /// It is of the data that the session was opened with.
+    /// It belongs to the data with which the session was opened.
     Current,
-    /// The data were changed after it.
+    /// The data have changed since.
     OutOfDate,
 }
 
-/// What a session contains, by the edits and other changes that led to it: undoing brings it back.
+/// Content of a session, as the numbers of its edits and other changes, so that undoing can restore the saved state.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Content {
-    /// The last edit that is not undone.
+    /// Number of the last edit that is not undone.
     edit: u64,
-    /// Changes that cannot be undone.
+    /// Number of changes that cannot be undone.
     lasting: u64,
 }
 
-impl Stored {
+impl StoredFit {
     fn of(session: &Session) -> Self {
         let of_identification =
             |record: &&ResultRecord| record.format() == Some(IdentificationDocument::FORMAT);
@@ -117,8 +117,8 @@ impl Stored {
 
 /// The open session.
 ///
-/// `revision` counts every change; `inputs` is a number that what identification and diagnosis depend on has for itself:
-/// undoing an edit brings the number back, too.
+/// `revision` counts every change; `inputs` numbers the inputs of identification and diagnosis: undoing an edit
+/// restores the number.
 pub struct OpenSession {
     id: u64,
     session: Session,
@@ -128,13 +128,13 @@ pub struct OpenSession {
     measured: u64,
     replaced: u64,
     inputs: u64,
-    /// Changes that cannot be undone.
+    /// Number of changes that cannot be undone.
     lasting: u64,
     saved: Option<Content>,
-    stored: Stored,
+    stored: StoredFit,
     fit: Option<Computed<Identification>>,
     diagnoses: Vec<DiagnosisOfModel>,
-    /// Number of the data of each number of inputs: what results depend on besides the effects of the model.
+    /// Number of the data for each number of inputs; data are the inputs other than the effects of the model.
     data: BTreeMap<u64, u64>,
     calibration: OnceLock<Arc<Calibration>>,
     missing: OnceLock<Vec<i64>>,
@@ -142,14 +142,14 @@ pub struct OpenSession {
 }
 
 impl OpenSession {
-    /// A session; `path` is the file it came from, if it did.
+    /// Session with the file it came from, if any.
     #[must_use]
     pub fn new(session: Session, path: Option<PathBuf>) -> Self {
         let saved = path.as_ref().map(|_| Content::default());
         let inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
         Self {
             id: inputs,
-            stored: Stored::of(&session),
+            stored: StoredFit::of(&session),
             session,
             path,
             history: History::default(),
@@ -168,7 +168,7 @@ impl OpenSession {
         }
     }
 
-    /// A recovered session: its file, if it has one, is older.
+    /// Recovered session; its file, if any, is older.
     #[must_use]
     pub fn recovered(session: Session, path: Option<PathBuf>) -> Self {
         Self {
@@ -177,7 +177,7 @@ impl OpenSession {
         }
     }
 
-    /// Tells it from every other session of this run of the program.
+    /// Id, unique in this run of the program.
     #[must_use]
     pub fn id(&self) -> u64 {
         self.id
@@ -188,7 +188,7 @@ impl OpenSession {
         &self.session
     }
 
-    /// Its file, once it has one.
+    /// File of the session, if any.
     #[must_use]
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
@@ -199,13 +199,13 @@ impl OpenSession {
         self.revision
     }
 
-    /// Counts the changes that are no measured poses.
+    /// Number of changes other than measured poses.
     #[must_use]
     pub fn edits(&self) -> u64 {
         self.revision - self.measured
     }
 
-    /// Counts how often measurements came otherwise than pose by pose.
+    /// Number of changes of the measurements other than pose by pose.
     #[must_use]
     pub fn replaced(&self) -> u64 {
         self.replaced
@@ -217,22 +217,22 @@ impl OpenSession {
         self.inputs
     }
 
-    /// Whether inputs of this number were those of this session once.
+    /// Whether this number of inputs was assigned since the session was opened.
     #[must_use]
     pub fn knows(&self, inputs: u64) -> bool {
         inputs >= self.id
     }
 
-    /// Whether there are changes that the file does not have.
+    /// Whether there are unsaved changes.
     #[must_use]
     pub fn is_unsaved(&self) -> bool {
         self.saved != Some(self.content())
     }
 
-    /// The file has the state of `revision` now.
+    /// Marks `revision` as saved in a file.
     pub fn saved_as(&mut self, path: PathBuf, revision: u64) {
         self.path = Some(path);
-        // What was changed while the file was written is not in it.
+        // Changes made while the file was being written are not in it.
         self.saved = (revision == self.revision).then(|| self.content());
     }
 
@@ -267,7 +267,7 @@ impl OpenSession {
         is_done
     }
 
-    /// Undoes the last edit and gives its name.
+    /// Undoes the last edit and returns its name.
     pub fn undo(&mut self) -> Option<String> {
         self.replaced += u64::from(self.history.is_import(false));
         let (name, inputs) = self.history.undo(&mut self.session, self.inputs)?;
@@ -276,7 +276,7 @@ impl OpenSession {
         Some(name)
     }
 
-    /// Does the last undone edit again and gives its name.
+    /// Redoes the last undone edit and returns its name.
     pub fn redo(&mut self) -> Option<String> {
         self.replaced += u64::from(self.history.is_import(true));
         let (name, inputs) = self.history.redo(&mut self.session, self.inputs)?;
@@ -285,10 +285,10 @@ impl OpenSession {
         Some(name)
     }
 
-    /// Adds a pose that was measured.
+    /// Appends a measured pose.
     ///
     /// # Errors
-    /// If it does not fit the session; nothing changes then.
+    /// If it does not match the session, which then remains unchanged.
     pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), FieldError> {
         self.session.append_pose(pose)?;
         self.measured += 1;
@@ -298,7 +298,7 @@ impl OpenSession {
         Ok(())
     }
 
-    /// Adds measurements that came otherwise than pose by pose, which cannot be undone; results depend on them.
+    /// Changes measurements other than pose by pose; results depend on them, and it cannot be undone.
     pub fn append(&mut self, change: impl FnOnce(&mut Session)) {
         change(&mut self.session);
         self.replaced += 1;
@@ -307,14 +307,14 @@ impl OpenSession {
         self.touch(&InputRevision::New);
     }
 
-    /// Adds what cannot be undone and no result depends on, such as what was written to a controller.
+    /// Records something on which no result depends, such as an adjustment; it cannot be undone.
     pub fn record(&mut self, change: impl FnOnce(&mut Session)) {
         change(&mut self.session);
         self.revision += 1;
         self.lasting += 1;
     }
 
-    /// Adds poses to the plan, for a run that has decided on them; undoing an edit does not take them away.
+    /// Adds poses chosen by a run to the plan; undoing an edit does not remove them.
     pub fn extend_plan<T>(&mut self, change: impl FnOnce(&mut Session) -> T) -> T {
         let before = self.session.plan.clone();
         let result = change(&mut self.session);
@@ -328,7 +328,7 @@ impl OpenSession {
         result
     }
 
-    /// Adds to the session's log a step that changes nothing beside it: undone, the session is as its file.
+    /// Adds an entry to the session's log that does not count as a change: after undo, the session equals its file.
     fn record_step(&mut self, phase: LogPhase, text: String) {
         self.session.record(LogEntry {
             time: clock::now(),
@@ -337,7 +337,7 @@ impl OpenSession {
         });
     }
 
-    /// Adds to the session's log.
+    /// Adds an entry to the session's log.
     pub fn log(&mut self, phase: LogPhase, text: impl Into<String>) {
         self.record_step(phase, text.into());
         self.revision += 1;
@@ -377,28 +377,28 @@ impl OpenSession {
             .get_or_init(|| Arc::new(Calibration::of(&self.session)))
     }
 
-    /// Labels of the plan that are not measured yet, in its order; looked up again when the session has changed.
+    /// Labels of planned poses that are not measured yet, in the order of the plan; recomputed after a change.
     #[must_use]
     pub fn missing(&self) -> &[i64] {
         self.missing
             .get_or_init(|| missing_labels(&self.session).collect())
     }
 
-    /// The check of the readings that takes no time; done again when the session has changed.
+    /// Quick check of the readings; repeated after a change.
     #[must_use]
     pub fn checked_readings(&self) -> &[CheckItem] {
         self.checked
             .get_or_init(|| check_readings(&self.session.dataset(), None))
     }
 
-    /// Whether the poses to measure are any of the workspace, each decided on by those before, instead of a plan.
+    /// Whether poses are chosen one by one from the workspace instead of from a plan.
     #[must_use]
     pub fn decides_on_poses(&self) -> bool {
         let until = &self.session.settings.until;
         until.enabled && !until.only_planned
     }
 
-    /// The checklist of the adjustment.
+    /// Checklist of the adjustment.
     #[must_use]
     pub fn checklist(&self, differences: &[Difference]) -> [Check; 5] {
         let is_old = self.fit.is_some() && !self.fit_is_current();
@@ -411,22 +411,22 @@ impl OpenSession {
         self.session.settings.tolerance_m
     }
 
-    /// The identification that the session keeps from before it was opened.
+    /// State of the identification that was stored before the session was opened.
     #[must_use]
-    pub fn stored(&self) -> Stored {
+    pub fn stored(&self) -> StoredFit {
         self.stored
     }
 
-    /// Takes an identification that was computed from the inputs of the given number.
+    /// Stores the identification of the inputs of this number.
     pub fn set_fit(&mut self, fit: Identification, inputs: u64) {
-        self.stored = Stored::None;
+        self.stored = StoredFit::None;
         self.fit = Some(Computed {
             value: Arc::new(fit),
             inputs,
         });
     }
 
-    /// Takes a diagnosis that was computed from a model with these effects, at the inputs of the given number.
+    /// Stores the diagnosis of a model with these effects and the inputs of this number.
     pub fn set_diagnosis(
         &mut self,
         result: PlottedDiagnosis,
@@ -443,19 +443,19 @@ impl OpenSession {
         });
     }
 
-    /// The last identification, also if it is out of date.
+    /// Last identification, even if out of date.
     #[must_use]
     pub fn fit(&self) -> Option<&Arc<Identification>> {
         self.fit.as_ref().map(|computed| &computed.value)
     }
 
-    /// The diagnosis of the present model; the last one, also if it is out of date, if there is none.
+    /// Diagnosis of the present model; if there is none, the last one, which is out of date.
     #[must_use]
     pub fn diagnosis(&self) -> Option<&Arc<Diagnosed>> {
         self.plotted_diagnosis().map(|found| &found.diagnosed)
     }
 
-    /// The same with its plots.
+    /// Same diagnosis with its plots.
     #[must_use]
     pub fn plotted_diagnosis(&self) -> Option<&PlottedDiagnosis> {
         let current = self.current_diagnosis().or(self.diagnoses.last());
@@ -472,7 +472,7 @@ impl OpenSession {
         same.or_else(|| self.diagnoses.iter().rev().find(is_current))
     }
 
-    /// Whether the last identification is of the present inputs.
+    /// Whether the last identification belongs to the present inputs.
     #[must_use]
     pub fn fit_is_current(&self) -> bool {
         self.fit
@@ -480,13 +480,13 @@ impl OpenSession {
             .is_some_and(|computed| computed.inputs == self.inputs)
     }
 
-    /// Whether there is a diagnosis of the present data, whose model lacked at most what it proposed.
+    /// Whether there is a diagnosis of the present data whose proposals are the only effects added since.
     #[must_use]
     pub fn diagnosis_is_current(&self) -> bool {
         self.current_diagnosis().is_some()
     }
 
-    /// Whether there is a diagnosis of the present data with the present model, to which nothing was added since.
+    /// Whether there is a diagnosis of exactly the present inputs.
     #[must_use]
     pub fn is_model_diagnosed(&self) -> bool {
         self.diagnoses.iter().any(|one| one.inputs == self.inputs)

@@ -4,15 +4,15 @@ use super::Model;
 use super::command::IdentificationCommand;
 use tautline_workflow::adjusting::{recorded_differences, verified_before_last_write, written};
 
-/// A part of a report that is out of date.
+/// Part of a report that is out of date.
 #[derive(Debug)]
 pub(crate) struct OutOfDate {
     pub(crate) sentence: &'static str,
-    /// Brings it up to date, unless this takes the robot.
+    /// Command that updates it, unless that needs the robot.
     pub(crate) remedy: Option<(&'static str, IdentificationCommand)>,
 }
 
-/// The parts of the session's report that are out of date.
+/// Parts of the session's report that are out of date.
 pub(crate) fn out_of_date(model: &Model) -> Vec<OutOfDate> {
     let Some(open) = &model.open else {
         return Vec::new();

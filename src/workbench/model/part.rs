@@ -1,9 +1,9 @@
-//! The parts of a screen: a small window shows one at a time, a large one while it is maximised.
+//! Parts of a screen. A small window shows one at a time, a large one all of them unless one is maximised.
 
 /// Part of a phase's screen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
-    /// Instruction, inputs, tables.
+pub enum ScreenPart {
+    /// Instructions, inputs and tables.
     #[default]
     Panel,
     /// The robot in 3D.
@@ -11,7 +11,7 @@ pub enum Part {
     Plots,
 }
 
-impl Part {
+impl ScreenPart {
     pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
 
     #[must_use]

@@ -1,28 +1,28 @@
-//! The places one can be in.
+//! Screens and phases.
 
 use egui_material_icons::{MaterialIcon, icons};
 
-/// What the window shows.
+/// Screen of the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Screen {
-    /// Nothing is open yet.
+    /// No session is open.
     #[default]
     Start,
     Phase(Phase),
     Compare,
-    /// The user's simulator beside the machine.
+    /// Comparison of the user's simulator with the machine.
     Simulator,
-    /// The sessions of one robot over time.
+    /// Sessions of one robot over time.
     Record,
-    /// Files of other programs on their way into the session.
+    /// Import of files of other programs.
     Import,
-    /// Which sensor, how many poses.
+    /// Choice of sensors and number of poses.
     WhichSensor,
-    /// The hypothesis that is being written.
+    /// Editor of a hypothesis.
     Hypothesis,
-    /// What each effect leaves in the residuals.
+    /// Effects with their signatures in the residuals.
     Gallery,
-    /// A new robot from an empty table of its cables.
+    /// New robot from an empty table of cables.
     NewRobot,
 }
 
@@ -41,7 +41,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// All, in their order.
+    /// All phases, in order.
     pub const ALL: [Self; 5] = [
         Self::Precalibration,
         Self::Modeling,
@@ -74,20 +74,19 @@ impl Phase {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// Nothing is there.
+    /// No data.
     NotStarted,
-    /// Begun.
     InProgress,
-    /// Finished, and good.
+    /// Complete and good.
     Done,
-    /// Finished, but something is wrong or doubtful.
+    /// Complete, but with a problem or a doubt.
     Attention,
-    /// Finished, but something it depends on has changed since.
+    /// Complete, but its inputs have changed since.
     OutOfDate,
 }
 
 impl Progress {
-    /// In words, for the reader of the screen.
+    /// Name, also for screen readers.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -99,7 +98,7 @@ impl Progress {
         }
     }
 
-    /// A sign besides the colour.
+    /// Icon, in addition to the colour.
     #[must_use]
     pub fn icon(self) -> MaterialIcon {
         match self {
@@ -116,7 +115,7 @@ impl Progress {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhaseStatus {
     pub progress: Progress,
-    /// One line, such as "8 of 8 winches within 0.1 mm".
+    /// Result in one line, such as "8 of 8 winches within 0.1 mm".
     pub line: String,
 }
 

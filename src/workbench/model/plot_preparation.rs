@@ -1,4 +1,4 @@
-//! What some plots need and only a task can compute: variables at all readings, and the fit with what was found.
+//! Data of plots that a task has to compute: variables at all readings, and the fit with the findings.
 
 use std::sync::Arc;
 
@@ -12,37 +12,37 @@ use tautline_workflow::identification::{
     Identification, IdentificationRequest, group_of, identify, readings_of,
 };
 
-/// Readings of one kind and cable with what they may depend on.
+/// Readings of a quantity and cable, with the variables they may depend on.
 #[derive(Debug, Clone)]
-pub struct Along {
+pub struct ReadingVariables {
     pub quantity: Quantity,
-    /// Cable, if the reading is a cable's.
+    /// Cable, for readings of a cable.
     pub cable: Option<usize>,
-    /// Each variable that varies, with its value in each row of the measurements.
+    /// Variables that vary, with their values in the rows of the measurements.
     pub variables: Vec<(Variable, Vec<f64>)>,
 }
 
 #[derive(Debug)]
 pub struct Prepared {
-    /// The fit of the model as it is.
+    /// Fit of the present model.
     pub base: Arc<Identification>,
-    /// The fit of the model with what was found.
+    /// Fit of the model with the findings of the diagnosis.
     pub extended: Option<Identification>,
-    /// Variables at the readings of the base fit.
-    pub along: Vec<Along>,
+    /// Variables at the readings of the first fit.
+    pub along: Vec<ReadingVariables>,
 }
 
-/// Input and result of a preparation.
+/// Inputs and result of a preparation.
 #[derive(Debug, Clone)]
 pub struct Preparation {
     pub fit: Option<Arc<Identification>>,
     pub diagnosed: Option<Arc<Diagnosed>>,
-    /// What was prepared, or why it could not be.
+    /// Prepared data, or the reason why there are none.
     pub result: Result<Arc<Prepared>, String>,
 }
 
 impl Preparation {
-    /// Computes it; a diagnosis comes first, since it is what the plots are about.
+    /// Computes the preparation; a diagnosis takes precedence, since the plots compare its fits.
     #[must_use]
     pub fn new(
         fit: Option<Arc<Identification>>,
@@ -65,7 +65,7 @@ impl Preparation {
         }
     }
 
-    /// Whether it was prepared from these.
+    /// Whether it was computed from these inputs.
     #[must_use]
     pub fn is_of(
         &self,
@@ -76,7 +76,7 @@ impl Preparation {
     }
 }
 
-/// The fits of a diagnosis' model as it was and with what was found.
+/// Fits of a diagnosis: of its model, and of its model with the findings.
 fn before_and_after(found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<Prepared, String> {
     let robot = &found.dataset.robot;
     let base = again(robot, found, cancelled)?;
@@ -91,7 +91,7 @@ fn before_and_after(found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<P
     })
 }
 
-/// Fits the measurements of a diagnosis with a model, its effects held.
+/// Fits the measurements of a diagnosis with a model whose effects are held fixed.
 fn again(
     model: &Robot,
     found: &Diagnosed,
@@ -113,7 +113,7 @@ fn again(
     done.map_err(|error| error.to_string())
 }
 
-/// Whether two are the same object, not only equal.
+/// Whether both are the same object, not only equal.
 pub fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
     match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -122,7 +122,7 @@ pub fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
     }
 }
 
-fn along(fit: &Identification) -> Result<Vec<Along>, String> {
+fn along(fit: &Identification) -> Result<Vec<ReadingVariables>, String> {
     let problem = fit.problem().map_err(|error| error.to_string())?;
     let linear = Linearisation::new(&problem, &fit.solution);
     let variables = Variables::new(&problem, &fit.solution, &linear);
@@ -131,18 +131,18 @@ fn along(fit: &Identification) -> Result<Vec<Along>, String> {
             let values = variables.values(quantity, cable, variable)?;
             Some((variable, values))
         });
-        Along {
+        ReadingVariables {
             quantity,
             cable,
             variables: values.collect(),
         }
     };
-    let mut along: Vec<Along> = groups(fit).into_iter().map(known).collect();
+    let mut along: Vec<ReadingVariables> = groups(fit).into_iter().map(known).collect();
     along.retain(|group| !group.variables.is_empty());
     Ok(along)
 }
 
-/// Kinds of readings, per cable where they belong to cables, that a fit has.
+/// Quantities of the readings of a fit, with their cables.
 fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
     let mut groups: Vec<_> = fit
         .analysis
@@ -155,7 +155,7 @@ fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
     groups
 }
 
-/// Residuals of a kind of reading in their own standard deviations: row and value.
+/// Normalised residuals of a quantity, with their rows.
 #[must_use]
 pub fn residuals(
     fit: &Identification,

@@ -1,4 +1,4 @@
-//! The record of a robot that is open: its sessions and what changed between them.
+//! The open record of a robot: its sessions and their changes over time.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,56 +6,56 @@ use std::sync::Arc;
 use tautline_workflow::health::HealthVerdict;
 use tautline_workflow::history::{RobotHistory, RobotRecord, Tolerance};
 
-/// A record with its history.
+/// Record with its history.
 #[derive(Debug, Clone)]
 pub struct OpenRecord {
-    /// Its folder.
     pub folder: PathBuf,
     pub record: RobotRecord,
     pub found: RobotHistory,
 }
 
-/// A session of the record that was checked against another one.
+/// Session of the record that was checked against another one.
 #[derive(Debug, Clone)]
 pub struct CheckedPair {
-    /// Baseline and check, by their places in the order of time.
+    /// Baseline and check, by their indices in order of time.
     pub sessions: [usize; 2],
-    /// The verdict with its sentences, or why there is none.
+    /// Verdict with its sentences, or the reason why there is none.
     pub result: Result<(HealthVerdict, Vec<String>), String>,
 }
 
-/// The record on the screen.
+/// State of the record.
 #[derive(Debug, Default)]
 pub struct RecordState {
     folder: Option<PathBuf>,
     /// Monitored quantity.
     pub tolerance: Tolerance,
     result: Option<Result<Arc<OpenRecord>, String>>,
-    /// The last health check.
+    /// Last health check.
     pub checked: Option<CheckedPair>,
     number: u64,
 }
 
 impl RecordState {
-    /// The folder that was chosen.
+    /// Chosen folder.
     #[must_use]
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
 
-    /// The record, or why it cannot be opened.
+    /// Record, or an error message.
     #[must_use]
     pub fn result(&self) -> Option<&Result<Arc<OpenRecord>, String>> {
         self.result.as_ref()
     }
 
-    /// The record, if it is open.
+    /// Record, if it is open.
     #[must_use]
     pub fn open(&self) -> Option<&Arc<OpenRecord>> {
         self.result.as_ref()?.as_ref().ok()
     }
 
-    /// Begins to read a folder: the number of its result. A tolerance is one of the robot, so that another folder has its own.
+    /// Begins to read a folder and returns the number of this reading. Another folder belongs to another robot and gets
+    /// its own tolerance.
     pub fn begin(&mut self, folder: PathBuf) -> u64 {
         if self.folder.as_ref() != Some(&folder) {
             self.tolerance = Tolerance::default();
@@ -72,13 +72,13 @@ impl RecordState {
         self.number += 1;
     }
 
-    /// The number of what is read now, for what is computed from it.
+    /// Number of the present reading, for computations from it.
     #[must_use]
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// Whether the result of this number is waited for.
+    /// Whether this is the number of the present reading.
     #[must_use]
     pub fn expects(&self, number: u64) -> bool {
         self.number == number
@@ -88,10 +88,10 @@ impl RecordState {
         self.result = Some(result);
     }
 
-    /// Changes the tolerance, on which the date of the next calibration depends.
+    /// Sets the tolerance, from which the date of the next calibration follows.
     ///
     /// # Errors
-    /// One sentence without its end, if nothing can be said for this tolerance. The former one stays.
+    /// An error message without full stop, if nothing can be stated for this tolerance; the earlier one stays.
     pub fn set_tolerance(&mut self, tolerance: Tolerance) -> Result<(), String> {
         if let Some(Ok(open)) = &mut self.result {
             let mut changed = OpenRecord::clone(open);

@@ -1,4 +1,4 @@
-//! What commands want of panels and views.
+//! Requests of commands to panels and views.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use super::command::UserFile;
 use super::plot_preparation::Preparation;
 use tautline_workflow::precalibration::Table;
 
-/// What a command changes of panels and views. They belong to the shell, which carries it out after the commands of a
+/// Change of panels and views by a command. They belong to the shell, which carries it out after the commands of a
 /// frame.
 #[derive(Debug)]
 pub enum UiRequest {
@@ -20,7 +20,7 @@ pub enum UiRequest {
     ShowTable(Table),
     /// Plots residuals of a kind of reading along a variable and colours cables by their residuals.
     ShowDependence(Quantity, Option<usize>, Variable),
-    /// Shows the robot where the window has room for one part only.
+    /// Shows the robot in a window that has room for one part only.
     ShowRobot,
     /// Shows the description of the robot in the panel of the phase Modeling.
     ShowDescription,
@@ -30,20 +30,20 @@ pub enum UiRequest {
     ShowGeometry,
     /// Shows the model doctor in the panel of the identification.
     ShowDoctor,
-    /// Gives plots what was computed for them.
+    /// Passes prepared data to the plots.
     TakePreparation(Box<Preparation>),
-    /// Concerns the connection dialog.
+    /// Change of the connection dialog.
     Connection(ConnectionRequest),
 }
 
-/// What a command changes of the connection dialog.
+/// Change of the connection dialog by a command.
 #[derive(Debug)]
 pub enum ConnectionRequest {
     Open,
     Close,
-    /// Closes it if it waits for the connection that was made.
+    /// Closes the dialog if it waits for the connection.
     Connected,
-    /// Shows why something was refused.
+    /// Shows an error message.
     Refuse(String),
     /// Asks whether the certificate of a server is trusted.
     AskTrust(Box<UntrustedServer>),

@@ -1,22 +1,22 @@
-//! The form that asks where to save a file.
+//! Form that asks for a path to save to.
 
 use std::path::{Path, PathBuf};
 
 use tautline_session::link_target;
 
-/// The path of a file to write, and the error if writing failed.
+/// Path of a file to write, and the error if writing failed.
 #[derive(Debug, Clone, Default)]
 pub struct SaveForm {
-    /// The path as it is typed.
+    /// Path as typed.
     pub path: String,
-    /// The file that is being written.
+    /// File being written.
     pub(crate) writing: Option<PathBuf>,
-    /// Why it was not written.
+    /// Error of the last attempt.
     pub(crate) failure: Option<String>,
 }
 
 impl SaveForm {
-    /// A form that suggests a path.
+    /// Form with a suggested path.
     pub(crate) fn new(path: &Path) -> Self {
         Self {
             path: absolute(path).display().to_string(),
@@ -24,7 +24,7 @@ impl SaveForm {
         }
     }
 
-    /// The file that is meant, behind links; `None` while nothing is typed.
+    /// Target path with links resolved; `None` while nothing is typed.
     pub(crate) fn target(&self) -> Option<PathBuf> {
         let typed = self.path.trim();
         (!typed.is_empty()).then(|| link_target(&absolute(Path::new(typed))))
@@ -34,7 +34,7 @@ impl SaveForm {
         self.writing.is_none() && self.target().is_some()
     }
 
-    /// Waits until this file is written.
+    /// Waits for this file to be written.
     pub(crate) fn begin(&mut self, path: PathBuf) {
         self.writing = Some(path);
         self.failure = None;

@@ -1,4 +1,4 @@
-//! The file of the session that the window has open.
+//! Lock of the open session's file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use tautline_workflow::clock;
 use tautline_workflow::session_file::{FileLock, LockError, OpenWindow, unsaved_folder};
 use tautline_workflow::wording::local_time::time_of_day;
 
-/// What distinguishes a file from one that was written later: its time and size.
+/// Modification time and size of a file, which reveal a later write.
 type FileStamp = (Option<SystemTime>, u64);
 
 fn stamp_of(path: &Path) -> Option<FileStamp> {
@@ -17,32 +17,32 @@ fn stamp_of(path: &Path) -> Option<FileStamp> {
     Some((metadata.modified().ok(), metadata.len()))
 }
 
-/// A file that was opened or saved here.
+/// File opened or saved by this window.
 #[derive(Debug)]
-struct Known {
+struct KnownFile {
     identity: u64,
     path: PathBuf,
     stamp: Option<FileStamp>,
 }
 
-/// Keeps commands from the file of the open session while it has unsaved changes, and the window from writing over what
-/// a command wrote.
+/// Keeps command-line programs from writing the file of the open session while it has unsaved changes, and the window
+/// from overwriting their changes.
 #[derive(Debug, Default)]
 pub struct SessionLock {
-    known: Option<Known>,
+    known: Option<KnownFile>,
     held: Option<FileLock>,
-    /// Revision at which it was tried to hold the file.
+    /// Revision at the first attempt to lock the file.
     tried: Option<u64>,
-    /// Where windows mark what they have open.
+    /// Folder in which windows mark their open files.
     windows: PathBuf,
-    /// The mark that keeps other windows away.
+    /// Mark of this window.
     window: Option<OpenWindow>,
-    /// The file that is open in another window, and since when.
+    /// File that is open in another window, with the time since when.
     elsewhere: Option<(PathBuf, String)>,
 }
 
 impl SessionLock {
-    /// Nothing is open; windows mark in this folder what they have open.
+    /// No file is open; windows mark their files in this folder.
     #[must_use]
     pub fn new(windows: PathBuf) -> Self {
         Self {
@@ -51,10 +51,10 @@ impl SessionLock {
         }
     }
 
-    /// Takes the place of other windows in which a file is open, which `takes_over` does not wait for.
+    /// Marks the file as open in this window; `takes_over` takes it from another window.
     ///
     /// # Errors
-    /// Since when it is open in another window.
+    /// The time since when it is open in another window.
     pub fn enter(&mut self, path: &Path, takes_over: bool) -> Result<(), String> {
         if self
             .window
@@ -71,13 +71,13 @@ impl SessionLock {
         Ok(())
     }
 
-    /// The file is open in another window since then, and only looked at here.
+    /// Makes the session read-only, because it is open in another window since this time.
     pub fn look_only(&mut self, path: PathBuf, since: String) {
         (self.window, self.held) = (None, None);
         self.elsewhere = Some((path, since));
     }
 
-    /// Why the session can only be looked at, if so: one sentence.
+    /// Reason why the session is read-only, if so, as a sentence.
     #[must_use]
     pub fn refusal(&self) -> Option<String> {
         let is_lost = self.window.as_ref().is_some_and(|own| !own.is_ours());
@@ -91,7 +91,7 @@ impl SessionLock {
         ))
     }
 
-    /// Holds the file while there are unsaved changes; one sentence where they cannot be saved in it.
+    /// Locks the file while there are unsaved changes; returns a sentence if they cannot be saved to it.
     pub fn follow(&mut self, open: Option<&OpenSession>) -> Option<String> {
         let own = open.and_then(|open| Some((open, open.path()?)));
         let Some((open, path)) = own else {
@@ -99,7 +99,7 @@ impl SessionLock {
             return None;
         };
         let identity = open.id();
-        let is_known = |known: &Known| known.identity == identity && known.path == path;
+        let is_known = |known: &KnownFile| known.identity == identity && known.path == path;
         if !self.known.as_ref().is_some_and(is_known) {
             self.written(identity, path);
         }
@@ -118,16 +118,16 @@ impl SessionLock {
         self.check(path).err()
     }
 
-    /// Whether a path is that of the open session, kept from others.
+    /// Whether this is the file of the open session and it is locked.
     #[must_use]
     pub fn holds(&self, path: &Path) -> bool {
         self.held.is_some() && self.known.as_ref().is_some_and(|known| known.path == path)
     }
 
-    /// Whether the session can be written to a file without losing what another program wrote.
+    /// Checks that writing the session to a file would not overwrite the changes of another program.
     ///
     /// # Errors
-    /// One sentence on why not.
+    /// An error message.
     pub fn check(&mut self, path: &Path) -> Result<(), String> {
         let known = self.known.as_ref().filter(|known| known.path == path);
         if let (Some(_), Some(text)) = (known, self.refusal()) {
@@ -146,7 +146,7 @@ impl SessionLock {
             match FileLock::acquire(path) {
                 Ok(held) => self.held = Some(held),
                 Err(error @ LockError::Busy(_)) => return Err(format!("{error}.")),
-                // Saving reports errors of the folder.
+                // Saving will report this error.
                 Err(_) => {}
             }
         }
@@ -159,7 +159,7 @@ impl SessionLock {
         }
     }
 
-    /// The file was read or written just now.
+    /// Records that the file was just read or written.
     pub fn written(&mut self, identity: u64, path: &Path) {
         if !self.holds(path) {
             (self.held, self.tried) = (None, None);
@@ -170,7 +170,7 @@ impl SessionLock {
         {
             self.look_only(path.to_owned(), since);
         }
-        self.known = Some(Known {
+        self.known = Some(KnownFile {
             identity,
             path: path.to_owned(),
             stamp: stamp_of(path),

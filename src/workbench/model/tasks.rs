@@ -1,4 +1,4 @@
-//! Work off the user interface's thread: named, with progress, to be cancelled, reporting by messages.
+//! Tasks on background threads, with title, progress and cancellation; they report by messages.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
@@ -12,16 +12,16 @@ use super::memory;
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TaskProgress {
-    /// Part that is done, where it is known.
+    /// Completed share, if known.
     pub fraction: Option<f32>,
     pub text: String,
 }
 
-/// A running task as the user interface sees it.
+/// Running task as seen by the user interface.
 #[derive(Debug)]
 pub struct Running {
     id: u64,
-    /// What it does, such as "Identifying".
+    /// Title, such as "Identifying".
     pub title: String,
     shared: Arc<Shared>,
 }
@@ -42,26 +42,26 @@ impl Running {
             .clone()
     }
 
-    /// Asks it to end.
+    /// Requests cancellation.
     pub fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
     }
 }
 
-/// A running task as its own code sees it.
+/// Running task as seen by its own code.
 pub struct TaskHandle {
     shared: Arc<Shared>,
     context: egui::Context,
 }
 
 impl TaskHandle {
-    /// Whether the operator wants it to end.
+    /// Whether cancellation was requested.
     #[must_use]
     pub fn cancelled(&self) -> bool {
         self.shared.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Whether the computation is to continue.
+    /// [`Control::Cancel`] once cancellation was requested.
     #[must_use]
     pub fn control(&self) -> Control {
         if self.cancelled() {
@@ -91,7 +91,7 @@ pub struct Tasks {
 }
 
 impl Tasks {
-    /// No task yet; `context` is repainted at every progress message.
+    /// No tasks; `context` is repainted after progress messages.
     #[must_use]
     pub fn new(context: egui::Context) -> Self {
         let (sender, receiver) = mpsc::channel();
@@ -104,7 +104,7 @@ impl Tasks {
         }
     }
 
-    /// Starts a task; its outcome arrives at the next frame after it is done.
+    /// Starts a task; its outcome arrives in the next frame after its end.
     pub fn start(
         &mut self,
         title: impl Into<String>,
@@ -132,7 +132,7 @@ impl Tasks {
                     caught_panic,
                 }
             });
-            // Nobody listens any more when the program ends.
+            // The receiver is gone when the program ends.
             let _ = sender.send((id, outcome));
             context.request_repaint();
             memory::give_back();
@@ -154,7 +154,7 @@ impl Tasks {
         }
     }
 
-    /// Outcomes that arrived since the last call.
+    /// Outcomes since the last call.
     pub fn outcomes(&mut self) -> Vec<Outcome> {
         let arrived: Vec<(u64, Outcome)> = self.receiver.try_iter().collect();
         self.running
@@ -162,7 +162,7 @@ impl Tasks {
         arrived.into_iter().map(|(_, outcome)| outcome).collect()
     }
 
-    /// The tasks that run now, the oldest first.
+    /// Running tasks, oldest first.
     #[must_use]
     pub fn running(&self) -> &[Running] {
         &self.running
@@ -173,7 +173,7 @@ impl Tasks {
         self.running.iter().any(|task| task.title == title)
     }
 
-    /// Asks all tasks of this title to end.
+    /// Requests cancellation of all tasks of this title.
     pub fn cancel(&self, title: &str) {
         self.running
             .iter()

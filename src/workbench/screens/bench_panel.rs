@@ -1,5 +1,5 @@
-//! What the panels of phases 1 and 2 have in common: tables that are imported or typed, fits per cable, and the step that
-//! puts fitted values into the robot.
+//! Common parts of the panels of phases 1 and 2: tables to import or type, fits per cable, and the step that applies
+//! fitted values to the robot.
 
 use egui::Ui;
 use egui_material_icons::icons;
@@ -21,34 +21,34 @@ use tautline_workflow::wording::units::fixed;
 #[derive(Debug, Default)]
 pub struct TableInput {
     pub path: String,
-    /// Rows to add.
+    /// Text of the rows to add.
     pub rows: String,
 }
 
-/// The open session with the calibration from its tables, and where commands go.
+/// Open session with the calibration from its tables, and the outbox for commands.
 pub struct Bench<'a> {
     pub open: &'a OpenSession,
-    /// The fits of its tables.
+    /// Fits of its tables.
     pub calibration: &'a Calibration,
     pub selection: Selection,
     pub outbox: &'a mut Outbox,
 }
 
-/// Residuals of what was measured cable by cable, with the band that they should stay in.
+/// Residuals per cable, with the band of the limit.
 pub struct Residuals<'a> {
     pub name: &'a str,
-    /// Along what they are shown.
+    /// Horizontal axis.
     pub x: Axis,
     /// Unit of residuals and limit.
     pub unit: &'static str,
-    /// Half the height of the band.
+    /// Half height of the band.
     pub limit: f64,
     /// Cables with their residuals.
     pub points: Vec<(usize, Vec<Point>)>,
 }
 
 impl<'a> Bench<'a> {
-    /// Draws title and purpose of a panel; `None` if no session is open.
+    /// Draws title and purpose of the panel; `None` if no session is open.
     pub fn begin(
         ui: &mut Ui,
         title: &str,
@@ -67,7 +67,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Tells the operator what is wrong with an input.
+    /// Reports an error of an input.
     pub fn refuse(&mut self, message: String) {
         self.outbox.send(Command::Refuse(message));
     }
@@ -89,7 +89,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Changes the tables, or reports an error of the input.
+    /// Applies an edit of the tables, or reports an error of the input.
     pub fn edit_rows(
         &mut self,
         noun: &str,
@@ -108,7 +108,7 @@ impl<'a> Bench<'a> {
         self.outbox.send(Edit::SetPhases(Box::new(phases), what));
     }
 
-    /// Draws the step that puts fitted values into the robot; `what` names it in the undo menu.
+    /// Draws the step that applies fitted values to the robot; `what` is its name in the undo menu.
     pub fn propose(&mut self, ui: &mut Ui, proposal: &Proposal, button: &str, what: &str) {
         for sentence in &proposal.left_out {
             verdict(ui, Verdict::Doubtful, &format!("{sentence}."));
@@ -127,7 +127,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Draws residuals; a click on one selects its cable.
+    /// Draws residuals; a click on a point selects its cable.
     pub fn residuals(&mut self, ui: &mut Ui, plot: Residuals<'_>) {
         let Residuals { limit, unit, .. } = plot;
         let series = plot.points.into_iter();
@@ -150,13 +150,13 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Selects a cable everywhere.
+    /// Selects a cable in all views.
     pub fn select_cable(&mut self, cable: usize) {
         self.outbox
             .send(ViewCommand::Select(self.selection.with_cable(cable)));
     }
 
-    /// The selected cable, else the first whose fit fails, else the first that was measured.
+    /// Selected cable; otherwise the first whose fit fails, otherwise the first measured one.
     pub fn chosen_cable<T>(&self, fits: &[PerCable<T>], passes: impl Fn(&T) -> bool) -> usize {
         let failed = |one: &&PerCable<T>| !one.fit.as_ref().is_ok_and(&passes);
         let first = fits.iter().find(failed).or(fits.first());
@@ -170,7 +170,7 @@ impl<'a> Bench<'a> {
         Cell::new(self.cable_name(cable)).with_dot(theme::of(ui).cable(cable))
     }
 
-    /// Name of a cable, with its number where the name does not have it.
+    /// Name of a cable, with its number if the name does not contain it.
     pub fn cable_name(&self, cable: usize) -> String {
         let number = (cable + 1).to_string();
         match self.robot().cables.get(cable) {
@@ -215,12 +215,12 @@ pub fn verdict_cell(ui: &Ui, passed: bool) -> Cell {
     }
 }
 
-/// A number that may be missing.
+/// Number, or a dash if missing.
 pub fn or_dash(value: Option<f64>, decimals: usize) -> Cell {
     Cell::new(value.map_or("–".to_owned(), |value| fixed(value, decimals)))
 }
 
-/// Decimals that show two digits of a standard deviation, within limits.
+/// Number of decimals that shows two digits of a standard deviation, within limits.
 pub fn decimals_for(sd: f64, least: usize, most: usize) -> usize {
     if !(sd > 0.0 && sd.is_finite()) {
         return most;

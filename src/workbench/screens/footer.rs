@@ -1,4 +1,4 @@
-//! The foot of a phase: what is done, the one next step, what comes after it.
+//! Footer of a phase: its state, the next step, and the one after it.
 
 use egui::{Align, Button, Label, Layout, ProgressBar, RichText, Role, Ui, WidgetInfo, vec2};
 
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, step: NextStep, outbox: &mut Outbox) {
     }
 }
 
-/// The button that does it, over the whole width, at the same place in every phase.
+/// Button of the next step, at the same place in every phase.
 fn button(ui: &mut Ui, action: Action, outbox: &mut Outbox) {
     let palette = theme::of(ui);
     let label = RichText::new(&action.title)

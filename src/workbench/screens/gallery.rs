@@ -1,4 +1,4 @@
-//! What each effect leaves in the residuals of the robot: pictures to compare with one's own.
+//! Gallery: signature of each effect in the residuals of the robot, for comparison with measured ones.
 
 use std::sync::Arc;
 
@@ -18,21 +18,21 @@ use crate::theme::{self, GRID};
 use crate::views::plots::small;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 
-/// Least width and the height of a card (points).
+/// Smallest width and height of a card (points).
 const CARD: f32 = 250.0;
 const CARD_HEIGHT: f32 = 208.0;
-/// Height of its plot, and of those of the effect that is chosen.
+/// Height of the plot of a card, and of the plots of the chosen effect (points).
 const PLOT: f32 = 132.0;
 const LARGE_PLOT: f32 = 170.0;
-/// Width of the column with the effect that is chosen, and least width of the screen at which it stands beside the cards.
+/// Width of the column of the chosen effect, and smallest width of the screen for it beside the cards (points).
 const CHOSEN: f32 = 400.0;
 const WIDE: f32 = 900.0;
 
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// What is looked for among titles and causes.
+    /// Search text for titles and causes.
     filter: String,
-    /// Identifier of the effect that is shown in full.
+    /// Identifier of the chosen effect.
     chosen: Option<&'static str>,
 }
 
@@ -58,7 +58,7 @@ fn head(
     outbox: &mut Outbox,
 ) {
     ui.horizontal(|ui| {
-        // The buttons first: the heading has the room that they leave.
+        // Buttons are placed first; the heading gets the remaining width.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 outbox.send(ViewCommand::Go(model.previous_screen()));
@@ -149,7 +149,7 @@ fn contents(ui: &mut Ui, gallery: &Gallery, panel: &mut PanelState, outbox: &mut
     }
 }
 
-/// Effects that leave nothing to be seen, folded.
+/// Effects without a visible signature, collapsed.
 fn without_picture(ui: &mut Ui, empty: &[&Signature], panel: &mut PanelState) {
     if empty.is_empty() {
         return;
@@ -170,7 +170,7 @@ fn without_picture(ui: &mut Ui, empty: &[&Signature], panel: &mut PanelState) {
         });
 }
 
-/// The title of an effect, a click on which shows it in full.
+/// Title of an effect; a click shows its details.
 fn name(ui: &mut Ui, effect: &Effect, panel: &mut PanelState) {
     let title = RichText::new(effect.title()).font(theme::strong(13.0));
     let button = ui.add(Button::new(title).frame(false).truncate());
@@ -184,7 +184,7 @@ fn name(ui: &mut Ui, effect: &Effect, panel: &mut PanelState) {
     }
 }
 
-/// Cards in rows; only those that are seen are drawn.
+/// Cards in rows; only visible ones are drawn.
 fn cards(ui: &mut Ui, shown: &[&Signature], panel: &mut PanelState) {
     if shown.is_empty() {
         muted(ui, "No effect with a picture has this name.");

@@ -1,4 +1,4 @@
-//! The screens: a panel for each phase, the start screen, the comparison.
+//! Screens: a panel for each phase, the start screen, the comparison and others.
 
 pub mod adjustment;
 mod bench_panel;
@@ -20,7 +20,7 @@ pub mod which_sensor;
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::model::command::Outbox;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, next_step};
 use crate::theme::GRID;
@@ -28,8 +28,8 @@ use crate::theme::GRID;
 /// State of all panels between frames.
 #[derive(Debug, Default)]
 pub struct PanelStates {
-    /// Part that a small window shows.
-    pub part: Part,
+    /// Part shown in a small window.
+    pub part: ScreenPart,
     pub start: start::PanelState,
     pub measuring: measuring::PanelState,
     pub adjustment: adjustment::PanelState,
@@ -45,16 +45,16 @@ pub struct PanelStates {
     pub which_sensor: which_sensor::PanelState,
     pub simulator: simulator::PanelState,
     pub gallery: gallery::PanelState,
-    /// What is shown, and how often that was something else.
-    shown: Option<Shown>,
+    /// Screen shown last; `visits` counts its changes.
+    shown: Option<VisitKey>,
     visits: u64,
 }
 
 /// Session, screen, and half of the panel of the identification.
-type Shown = (Option<u64>, Screen, identification::Half);
+type VisitKey = (Option<u64>, Screen, identification::Half);
 
 impl PanelStates {
-    /// A number that whatever scrolls has in its identity, so that each screen begins at its top.
+    /// Number of screen changes, which is part of the ids of scroll areas, so that each screen begins at its top.
     pub fn visit(&mut self, model: &Model) -> u64 {
         let session = model.open.as_ref().map(OpenSession::id);
         let shown = Some((session, model.screen, self.identification.half));
@@ -64,7 +64,7 @@ impl PanelStates {
     }
 }
 
-/// Draws the panel of a phase, with its foot, which stays where it is while the panel scrolls.
+/// Draws the panel of a phase, with its footer, which does not scroll.
 pub fn phase(
     ui: &mut Ui,
     model: &Model,

@@ -1,4 +1,4 @@
-//! The user's simulator beside the machine: how far its readings are from the measured ones, and what explains it.
+//! Comparison of the user's simulator with the machine: differences of the readings and their explanation.
 
 use egui::Ui;
 use tautline_core::diagnosis::Quantity;
@@ -10,15 +10,17 @@ use crate::model::comparison::SimulatorComparison;
 use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Cell, Column, Verdict, choice, empty, heading, muted, page, table, verdict};
+use crate::widgets::{
+    Cell, TableColumn, Verdict, choice, empty, heading, muted, page, table, verdict,
+};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// Kind of reading that the plot shows; the one in which the simulator errs most until another is chosen.
+    /// Plotted kind of reading; by default the one with the largest error.
     shown: Option<Quantity>,
 }
 
-/// Greatest width of the page, height of its plot (points).
+/// Greatest width of the page, and height of its plot (points).
 const WIDTH: f32 = 860.0;
 const PLOT: f32 = 280.0;
 
@@ -93,8 +95,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 
 fn readings(ui: &mut Ui, readings: &[ReplayedReading]) {
     let columns = ReplayedReading::HEADINGS.map(|title| match title {
-        "Reading" | "Unit" => Column::words(title),
-        _ => Column::number(title, ""),
+        "Reading" | "Unit" => TableColumn::words(title),
+        _ => TableColumn::number(title, ""),
     });
     let rows = readings
         .iter()

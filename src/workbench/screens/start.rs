@@ -1,4 +1,4 @@
-//! The start screen: what one can begin with.
+//! Start screen: open, recover or begin a session.
 
 use std::path::{Path, PathBuf};
 
@@ -18,20 +18,20 @@ use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
 use tautline_workflow::wording::{count, recent_facts, sentence};
 
-/// What the start screen remembers.
+/// State between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
     path: String,
     /// Whether all unsaved sessions are listed.
     shows_all: bool,
-    /// Sample sessions that are there; looked up once.
+    /// Available sample sessions, looked up once.
     samples: Option<Vec<Sample>>,
 }
 
-/// Number of unsaved sessions that are listed at first.
+/// Number of unsaved sessions listed at first.
 const UNSAVED_SHOWN: usize = 3;
 
-/// Least width of the screen for two columns, and their width together (points).
+/// Smallest width of the screen for two columns, and their total width (points).
 const WIDE: f32 = 940.0;
 const COLUMNS: f32 = 1120.0;
 
@@ -80,7 +80,7 @@ fn known_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &m
 fn begin(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         let title = "Try the demo robot";
-        // What can be recovered comes first.
+        // Recovery comes first.
         let demo = match model.recoverable() {
             Some(_) => ui.button(title),
             None => primary(ui, title, true),
@@ -98,7 +98,7 @@ fn begin(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     let path = &mut panel.path;
     ui.horizontal(|ui| {
-        // Both buttons have room beside it.
+        // Leaves room for both buttons.
         let width = (ui.available_width() - 190.0).clamp(120.0, 400.0);
         let names = ("Path", "Path, or drop a file on the window");
         let entered = path_field(ui, names, path, width);
@@ -117,7 +117,7 @@ fn new_robot(ui: &mut Ui, outbox: &mut Outbox) {
     template_buttons(ui, outbox);
 }
 
-/// A button for each template, and one for a robot that is typed.
+/// Button for each template, and one for a robot to be typed in.
 pub(super) fn template_buttons(ui: &mut Ui, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         for template in Template::ALL {
@@ -272,7 +272,7 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     }
 }
 
-/// A session by name with a small picture of its robot, and below it what is known of it.
+/// Entry of a session: name, small picture of its robot, and details.
 fn entry(
     ui: &mut Ui,
     (name, facts): (&str, &str),
@@ -289,7 +289,7 @@ fn entry(
         picture(ui, outline);
         ui.vertical(|ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
-            // Names stand below the heading, without the margin of a button.
+            // The name is aligned with the heading, without the margin of a button.
             ui.spacing_mut().button_padding.x = 0.0;
             let name = RichText::new(name).font(theme::strong(13.0)).color(colour);
             let button = Button::new(name).frame_when_inactive(false).wrap();
@@ -302,7 +302,7 @@ fn entry(
     entry.inner.inner
 }
 
-/// The lines of a robot's cables.
+/// Picture of a robot: the lines of its cables.
 fn picture(ui: &mut Ui, outline: &[[i16; 4]]) {
     let size = 9.0 * GRID;
     let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(size), egui::Sense::hover());

@@ -1,4 +1,4 @@
-//! Which sensor, how many poses: sliders, and the answer of the expected covariance while they move.
+//! *Which sensor?*: sliders for sensors and number of poses, with the expected accuracy.
 
 use egui::{Button, Grid, Rangef, ScrollArea, Slider, TextEdit, Ui};
 use tautline_core::robot::{Robot, presets};
@@ -15,21 +15,21 @@ use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
-    asked: Option<Asked>,
+    asked: Option<SensorQuestion>,
 }
 
-/// A robot that is asked about, with the last question and its answer.
+/// Robot with the last question and its answer.
 #[derive(Debug)]
-struct Asked {
+struct SensorQuestion {
     robot: Robot,
     advisor: Result<Advisor, String>,
     question: Option<Question>,
     answer: Option<(Question, Result<Answer, String>)>,
-    /// Folder of the study, as it is typed.
+    /// Typed folder of the study.
     folder: String,
 }
 
-impl Asked {
+impl SensorQuestion {
     fn new(robot: Robot) -> Self {
         let advisor = Advisor::new(&robot);
         Self {
@@ -42,14 +42,14 @@ impl Asked {
     }
 }
 
-/// Least and greatest height of a plot (points).
+/// Smallest and greatest height of a plot (points).
 const PLOT: Rangef = Rangef {
     min: 190.0,
     max: 360.0,
 };
-/// Width of the screen (points) below which the answer stands below the sliders.
+/// Width of the screen (points) below which the answer is below the sliders.
 const NARROW: f32 = 720.0;
-/// Width of the column of sliders, and of the name of a folder in it (points).
+/// Width of the column of sliders, and of the folder's name in it (points).
 const SLIDERS: f32 = 300.0;
 const FOLDER: f32 = 190.0;
 
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let known = panel.asked.take().filter(|asked| asked.robot == robot);
     let asked = panel
         .asked
-        .insert(known.unwrap_or_else(|| Asked::new(robot)));
+        .insert(known.unwrap_or_else(|| SensorQuestion::new(robot)));
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     });
 }
 
-fn contents(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+fn contents(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     if asked.question.is_none() {
         if let Err(error) = &asked.advisor {
             verdict(ui, Verdict::Bad, error);
@@ -120,15 +120,15 @@ fn contents(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) 
     });
 }
 
-fn asking(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+fn asking(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     if let Some(question) = &mut asked.question {
         sliders(ui, &asked.robot, question);
     }
     simulation(ui, asked, running, outbox);
 }
 
-/// Starts a study of the question in a folder.
-fn simulation(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+/// Step that starts a study of the question in a folder.
+fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     ui.add_space(2.0 * GRID);
     section(ui, "Simulation");
     let Some(question) = asked.question else {
@@ -198,7 +198,7 @@ fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
         });
 }
 
-/// An optional instrument with its default description.
+/// Optional instrument with its default description.
 fn optional(
     ui: &mut Ui,
     name: &str,
@@ -237,7 +237,7 @@ fn millimetres(
     }
 }
 
-/// The answer in words, numbers and plots, in so much height.
+/// Answer in words, numbers and plots, with this total height.
 fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
     let top = ui.cursor().min.y;
     section(ui, "Answer");
@@ -252,7 +252,7 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
         );
     }
     ui.add_space(GRID);
-    // As many decimals as two digits of the smallest need.
+    // Number of decimals that shows two digits of the smallest error.
     let errors = answer.changes.iter().filter_map(|(_, error)| *error);
     let least = errors.fold(f64::INFINITY, f64::min);
     let decimals = (1.0 - (1e3 * least).log10().floor()).clamp(0.0, 6.0) as usize;
@@ -307,7 +307,7 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
     );
 }
 
-/// A line in logarithms, with a mark where the sliders are.
+/// Plot with logarithmic axes, with a mark at the position of the sliders.
 fn figure(
     (label, unit): (&str, &'static str),
     line: impl Iterator<Item = (f64, Option<f64>)>,

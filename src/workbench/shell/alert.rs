@@ -1,17 +1,17 @@
-//! The last error, above the lower left corner of the window, until the operator has seen it or its cause is gone.
+//! Alert with the last error, in the lower left corner, until it is dismissed or its cause is resolved.
 
 use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Stroke, Ui, Vec2};
 use egui_material_icons::icons;
 
-use super::State;
+use super::AppState;
 use crate::model::command::{FileCommand, ViewCommand};
 use crate::theme::{self, GRID};
 
-/// Greatest width of its text (points).
+/// Greatest width of the text (points).
 const WIDTH: f32 = 560.0;
 
-/// Draws it, if there is one, over what is there: nothing moves under the pointer.
-pub fn show(ui: &Ui, state: &mut State) {
+/// Draws the alert, if any, as an overlay, so that nothing moves under the pointer.
+pub fn show(ui: &Ui, state: &mut AppState) {
     let Some(alert) = state.model.messages.alert() else {
         return;
     };

@@ -1,4 +1,4 @@
-//! What a certificate states beside the results: fields, instruments of the workshop, and what is still empty.
+//! Form for the certificate: statements besides the results, instruments of the workshop, missing entries.
 
 use egui::{ComboBox, Grid, TextEdit, Ui};
 use tautline_core::robot::Robot;
@@ -13,10 +13,10 @@ use crate::widgets::{Entered, Number, checkbox, muted, number, section};
 
 /// Width of a text field (points).
 const FIELD: f32 = 290.0;
-/// How a date is written.
+/// Example of a date.
 const DATE: &str = "2026-11-28";
 
-/// The fields of the certificate in the dialog of a report.
+/// Draws the fields of the certificate in the report dialog.
 pub fn form(ui: &mut Ui, draft: &mut ReportDraft, robot: &Robot) {
     section(ui, "Certificate");
     Grid::new("certificate")
@@ -109,7 +109,7 @@ fn conditions(ui: &mut Ui, details: &mut CertificateDetails) {
     );
 }
 
-/// The instruments of the workshop, of which those used are marked.
+/// Instruments of the workshop, with a check mark for those used.
 fn instruments(ui: &mut Ui, instruments: &mut Vec<WorkshopInstrument>) {
     section(ui, "Instruments used");
     if instruments.is_empty() {

@@ -1,8 +1,8 @@
-//! Modal dialogs: unsaved changes, writing, report.
+//! Modal dialogs: unsaved changes, writing of values, internal errors.
 
 use egui::{RichText, TextEdit, Ui};
 
-use super::{State, report};
+use super::{AppState, report};
 use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, HypothesisCommand, RobotCommand, WriteDraft};
 use crate::screens::adjustment::{identify_without, lines};
@@ -10,9 +10,9 @@ use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, entered, heading, modal, muted, primary, verdict};
 use tautline_workflow::wording::count;
 
-/// Draws the question that is open, if one is.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    // Where to save is asked above it.
+/// Draws the open dialog, if any.
+pub fn show(ui: &mut Ui, state: &mut AppState) {
+    // The save dialog is drawn above this one.
     if state.model.dialogs.save.is_none() {
         leaving(ui, state);
         unsaved_hypothesis(ui, state);
@@ -26,9 +26,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Save the changes first, and may an armed robot be disconnected?
-fn leaving(ui: &mut Ui, state: &mut State) {
-    let State { model, outbox, .. } = state;
+/// Question about unsaved changes and about disconnecting an armed robot.
+fn leaving(ui: &mut Ui, state: &mut AppState) {
+    let AppState { model, outbox, .. } = state;
     let Some(draft) = &model.dialogs.leaving else {
         return;
     };
@@ -43,7 +43,7 @@ fn leaving(ui: &mut Ui, state: &mut State) {
         );
         if is_unsaved {
             let name = model.open.as_ref().map_or("", |open| &open.session().name);
-            ui.label(format!("{name} has changes that no file has yet."));
+            ui.label(format!("{name} is not saved."));
         }
         if model.link.can_move() {
             let text = format!(
@@ -86,7 +86,7 @@ fn leaving(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Answers side by side, of which the first is the primary one.
+/// Row of answers, the first being the primary one.
 fn choice_of<A: Copy>(ui: &mut Ui, answers: &[(&str, A)]) -> Option<A> {
     let row = ui.horizontal(|ui| {
         let mut given = None;
@@ -102,8 +102,8 @@ fn choice_of<A: Copy>(ui: &mut Ui, answers: &[(&str, A)]) -> Option<A> {
     row.inner
 }
 
-/// Is a session taken over from another window?
-fn elsewhere(ui: &mut Ui, state: &mut State) {
+/// Question about a session that is open in another window.
+fn elsewhere(ui: &mut Ui, state: &mut AppState) {
     let Some((opening, since)) = &state.model.dialogs.elsewhere else {
         return;
     };
@@ -126,9 +126,9 @@ fn elsewhere(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What becomes of the text of a hypothesis that is in no file?
-fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
-    let State { model, outbox, .. } = state;
+/// Question about the unsaved text of a hypothesis.
+fn unsaved_hypothesis(ui: &mut Ui, state: &mut AppState) {
+    let AppState { model, outbox, .. } = state;
     let Some(draft) = model
         .hypothesis
         .draft
@@ -164,8 +164,8 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Write these values, and in whose name?
-fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
+/// Question before values are written, with the name of the operator.
+fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
     let review = &draft.review;
     let open = state.model.open.as_ref();
     let cables = open.map_or(&[][..], |open| &open.session().robot.cables);
@@ -203,7 +203,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
         }
         ui.add_space(2.0 * GRID);
         let is_named = !draft.operator.trim().is_empty();
-        let hint = "Enter your name: who writes is kept in the record";
+        let hint = "Enter your name: it is kept in the record";
         ui.horizontal(|ui| {
             let (wanted, cancelled) = match is_sound {
                 true => (
@@ -230,7 +230,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
     state.model.dialogs.writing = Some(draft);
 }
 
-/// Draws what is left of the window after an internal error.
+/// Draws the window after an internal error.
 pub fn internal_error(ui: &mut Ui, model: &mut Model) {
     let Some(caught_panic) = model.caught_panic.clone() else {
         return;

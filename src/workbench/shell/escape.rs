@@ -1,14 +1,14 @@
-//! Escape leaves one thing at a time: what lies above the window, the inspector, then the selection.
+//! Escape leaves one level at a time: overlays, then the inspector, then the selection.
 
 use egui::{Id, Key, Popup, Ui};
 
-use super::State;
+use super::AppState;
 use crate::model::Selection;
 use crate::model::command::ViewCommand;
 
-/// Leaves the inspector or clears the selection, unless a menu or a text field uses the key. Before anything is
-/// drawn: whoever uses it closes in the same frame.
-pub(super) fn show(ui: &Ui, state: &mut State) {
+/// Leaves the inspector or clears the selection, unless a menu or a text field uses the key. Called before anything is
+/// drawn, because these close in the same frame.
+pub(super) fn show(ui: &Ui, state: &mut AppState) {
     let typed = ui.data(|data| data.get_temp(typing())).unwrap_or(false);
     let is_used = typed || Popup::is_any_open(ui.ctx());
     let model = &state.model;
@@ -23,7 +23,7 @@ pub(super) fn show(ui: &Ui, state: &mut State) {
     }
 }
 
-/// Remembers at the end of a frame whether text is being typed: in the next frame, Escape has taken the focus already.
+/// Stores at the end of a frame whether a text field has the focus: in the next frame, Escape has already removed it.
 pub(super) fn remember_typing(ui: &Ui) {
     let typed = ui.ctx().text_edit_focused();
     ui.data_mut(|data| data.insert_temp(typing(), typed));

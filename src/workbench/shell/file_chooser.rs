@@ -1,13 +1,13 @@
-//! The window that asks for a file where the desktop has no dialog for it.
+//! The program's own file chooser, for desktops without one.
 
 use egui::{Context, Id, LayerId, Order, Role, Ui};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::file_choice::WINDOW;
 use crate::widgets::backdrop;
 
-/// Draws it while it is open; whether it is. It stands in for the dialog that asks for the file.
-pub fn show(ui: &Ui, state: &mut State) -> bool {
+/// Draws the file chooser and returns whether it is open. It replaces the dialog that asked for the file.
+pub fn show(ui: &Ui, state: &mut AppState) -> bool {
     let Some(mut chooser) = state.model.dialogs.chooser.take() else {
         return false;
     };
@@ -29,7 +29,7 @@ pub fn show(ui: &Ui, state: &mut State) -> bool {
     true
 }
 
-/// Gives the two fields of the window names for screen readers, which they lack in egui_file.
+/// Names the two fields for screen readers; egui_file leaves them unnamed.
 fn name_fields(context: &Context) {
     let layer = LayerId::new(Order::Middle, Id::unique(WINDOW));
     let widgets: Vec<Id> = context.viewport(|viewport| {

@@ -1,34 +1,34 @@
-//! The frame of the window: menus, phase rail, status, and the screen between them.
+//! Layout of the window: menus, phase rail, status bar, and the screen between them.
 
 use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Stroke, StrokeKind, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
 use super::{
-    State, alert, dialogs, escape, file_chooser, log, menu, palette, rail, save, status, top,
+    AppState, alert, dialogs, escape, file_chooser, log, menu, palette, rail, save, status, top,
 };
 use crate::model::command::ViewCommand;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::screens;
 use crate::theme::{self, GRID};
 use crate::views;
 use crate::widgets::icon_button;
 
-/// Width of the window (points) below which the rail shows icons alone.
+/// Width of the window (points) below which the rail shows only icons.
 const NARROW: f32 = 1120.0;
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
 
-/// Width of the panel of a phase, if nobody chose another: a share of the window within limits (points).
+/// Default width of a phase's panel: share of the window, within limits (points).
 const PANEL: f32 = 0.335;
 const PANEL_RANGE: Rangef = Rangef {
     min: 440.0,
     max: 520.0,
 };
 
-pub fn show(ui: &mut Ui, state: &mut State) {
-    // Of keys nothing but Stop, which has been handled, acts behind a dialog.
+pub fn show(ui: &mut Ui, state: &mut AppState) {
+    // Behind a dialog no key works except Stop, which has been handled.
     let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
     let of_dialog = ui.input_mut(|input| is_behind.then(|| std::mem::take(&mut input.events)));
     escape::show(ui, state);
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         centre.show(ui, |ui| ui.push_id(visit, |ui| whole(ui, state)));
     }
     log::show(ui, state);
-    let State {
+    let AppState {
         model,
         outbox,
         views,
@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     focus_ring(ui);
 }
 
-/// A ring around what has the focus of the keyboard, whatever its own colour.
+/// Draws a ring around the focused widget, whatever its own colour.
 fn focus_ring(ui: &Ui) {
     let focused = ui.memory(|memory| memory.focused());
     let Some(response) = focused.and_then(|id| ui.ctx().read_response(id)) else {
@@ -86,9 +86,9 @@ fn focus_ring(ui: &Ui) {
     }
 }
 
-/// A screen that has no parts.
-fn whole(ui: &mut Ui, state: &mut State) {
-    let State {
+/// Screen without parts.
+fn whole(ui: &mut Ui, state: &mut AppState) {
+    let AppState {
         model,
         outbox,
         panels,
@@ -118,9 +118,9 @@ fn whole(ui: &mut Ui, state: &mut State) {
 }
 
 /// Command palette and dialogs.
-fn modals(ui: &mut Ui, state: &mut State) {
+fn modals(ui: &mut Ui, state: &mut AppState) {
     palette::show(ui, state);
-    let State {
+    let AppState {
         model,
         outbox,
         panels,
@@ -131,8 +131,8 @@ fn modals(ui: &mut Ui, state: &mut State) {
     save::show(ui, state);
 }
 
-/// Rail, 3D view, plots and the panel of the phase beside each other.
-fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
+/// Rail, 3D view, plots and phase panel side by side.
+fn phase(ui: &mut Ui, state: &mut AppState, current: Phase) {
     let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
     let layout = state.model.preferences.layout;
@@ -159,7 +159,7 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
         false if rows > 1.0 => (0.64, rows),
         false => (0.38, 1.0),
     };
-    // A low window still has room for a plot below its lines of choices.
+    // A low window still has room for a plot below its controls.
     let usual = (share * height).min(300.0 * rows);
     let usual = usual.max((0.5 * height).min(240.0));
     let size = Size {
@@ -176,21 +176,21 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     robot(ui, state);
 }
 
-fn rail_of(ui: &mut Ui, state: &mut State, is_narrow: bool) {
+fn rail_of(ui: &mut Ui, state: &mut AppState, is_narrow: bool) {
     let rail = Panel::left("rail").frame(side()).resizable(false);
     rail.exact_size(if is_narrow { rail::NARROW } else { 208.0 })
         .show(ui, |ui| rail::show(ui, state, is_narrow));
 }
 
-/// One part at a time: where the window has no room for all of them, or while one is maximised.
-fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
+/// Draws one part only: in a small window, or if the part is maximised.
+fn one_part(ui: &mut Ui, state: &mut AppState, current: Phase) {
     let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
     let maximised = state.model.maximised;
     let mut part = maximised.unwrap_or(state.panels.part);
     Panel::top("parts").frame(side).show(ui, |ui| {
         ui.horizontal(|ui| {
-            for one in Part::ALL {
+            for one in ScreenPart::ALL {
                 ui.selectable_value(&mut part, one, one.title());
             }
             if maximised.is_none() {
@@ -212,18 +212,18 @@ fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
     CentralPanel::no_frame()
         .frame(side)
         .show(ui, |ui| match part {
-            Part::Panel => panel_of(ui, state, current),
-            Part::Robot => robot(ui, state),
-            Part::Plots => plots(ui, state),
+            ScreenPart::Panel => panel_of(ui, state, current),
+            ScreenPart::Robot => robot(ui, state),
+            ScreenPart::Plots => plots(ui, state),
         });
 }
 
-/// A panel's margins; its ground is what the window is cleared with.
+/// Margins of a panel without fill; the clear colour of the window is its background.
 fn side() -> Frame {
     Frame::new().inner_margin(Margin::same(3 * GRID as i8))
 }
 
-fn panel_of(ui: &mut Ui, state: &mut State, current: Phase) {
+fn panel_of(ui: &mut Ui, state: &mut AppState, current: Phase) {
     screens::phase(
         ui,
         &state.model,
@@ -233,11 +233,11 @@ fn panel_of(ui: &mut Ui, state: &mut State, current: Phase) {
     );
 }
 
-fn robot(ui: &mut Ui, state: &mut State) {
+fn robot(ui: &mut Ui, state: &mut AppState) {
     views::robot(ui, &state.model, &mut state.views, &mut state.outbox);
 }
 
-fn plots(ui: &mut Ui, state: &mut State) {
+fn plots(ui: &mut Ui, state: &mut AppState) {
     let view = (&mut state.views.plots, &mut state.views.hovered);
     views::plots::show(ui, &state.model, view, &mut state.outbox);
 }

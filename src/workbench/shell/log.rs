@@ -3,13 +3,13 @@
 use egui::{ScrollArea, Ui, Window};
 use tautline_workflow::wording::local_time::time_of_day;
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::messages::Severity;
 use crate::theme;
 use crate::widgets::muted;
 
 /// Draws the log while it is open.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     let mut open = state.model.dialogs.log;
     Window::new("Log")
         .open(&mut open)

@@ -22,7 +22,7 @@ mod stop;
 mod top;
 
 pub use no_window::no_window;
-pub use state::State;
+pub use state::AppState;
 
 use crate::model::command::{CompareCommand, FileCommand, RecordCommand};
 use crate::model::link::LinkRequest;
@@ -31,11 +31,11 @@ use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
 
 pub struct App {
-    pub state: State,
+    pub state: AppState,
 }
 
 impl App {
-    /// The workbench in a window; opens what the options name.
+    /// Creates the application in a window and opens the path of the options.
     #[must_use]
     pub fn new(creation: &eframe::CreationContext<'_>, options: Options) -> Self {
         caught_panic::listen();
@@ -43,7 +43,7 @@ impl App {
         if let Some(path) = &options.observed {
             observed::observe(&creation.egui_ctx, path.clone());
         }
-        let mut state = State::new(&creation.egui_ctx, options);
+        let mut state = AppState::new(&creation.egui_ctx, options);
         commands::restore(&state.model);
         commands::find_unsaved(&mut state.model);
         if let Some(path) = state.model.options.path.clone() {
@@ -54,9 +54,9 @@ impl App {
 }
 
 impl App {
-    /// The window's own close button asks about unsaved changes and an armed robot, too.
+    /// Asks about unsaved changes and an armed robot before the window is closed.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
-        let State { model, outbox, .. } = &mut self.state;
+        let AppState { model, outbox, .. } = &mut self.state;
         let is_asked = model.is_unsaved() || model.would_disarm() || model.hypothesis.is_unsaved();
         let has_panicked = model.caught_panic.is_some();
         if is_asked && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
@@ -65,11 +65,11 @@ impl App {
         }
     }
 
-    /// A frame: what `show` draws, then the commands that were given. A panic in it leaves the session as it is, kept,
-    /// and is shown by the next frame.
-    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
+    /// Draws a frame with `show`, then carries out its commands. After a panic the session remains unchanged and saved
+    /// by the autosave; the next frame reports it.
+    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut AppState)) {
         let state = &mut self.state;
-        // Whatever the frame comes to: a robot may be moving during an internal error, too.
+        // First, whatever happens in the frame: a robot may also move during an internal error.
         stop::show(ui, &mut state.model);
         if state.model.caught_panic.is_some() {
             dialogs::internal_error(ui, &mut state.model);
@@ -101,7 +101,7 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let State { model, outbox, .. } = &mut self.state;
+        let AppState { model, outbox, .. } = &mut self.state;
         for outcome in model.tasks.outcomes() {
             let received = caught_panic::guard(|| commands::receive(model, outcome));
             model.caught_panic = received.err().or(model.caught_panic.take());
@@ -132,7 +132,7 @@ impl eframe::App for App {
         self.frame(ui, frame::show);
     }
 
-    /// The ground of all panels: filling them one by one is the most of a frame where there is no graphics card.
+    /// Background of all panels: filling each of them takes most of a frame without a graphics card.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
@@ -146,7 +146,7 @@ impl eframe::App for App {
 /// Opens the window and runs the workbench until it is closed.
 ///
 /// # Errors
-/// If no window can be opened, as without a display.
+/// If no window can be opened, for example without a display.
 pub fn run(start: Options) -> Result<(), eframe::Error> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Tautline")
@@ -155,7 +155,7 @@ pub fn run(start: Options) -> Result<(), eframe::Error> {
         .with_min_inner_size([640.0, 400.0]);
     let options = eframe::NativeOptions {
         viewport,
-        // There are no gradients, and without a graphics card it takes a fifth of a frame.
+        // There are no gradients, and without a graphics card dithering takes a fifth of a frame.
         dithering: false,
         ..Default::default()
     };

@@ -1,6 +1,6 @@
-//! The sentence for a window that cannot be opened.
+//! Error message if the window cannot be opened.
 
-/// Why there is no window, and what works without one.
+/// Reason why there is no window, and the commands that work without one.
 #[must_use]
 pub fn no_window(error: &eframe::Error) -> String {
     let reason = match error {
@@ -13,7 +13,7 @@ pub fn no_window(error: &eframe::Error) -> String {
     )
 }
 
-/// A message without the place in the sources of a library where the error was noticed, which is of no use here.
+/// Message without the source location in a library.
 fn without_place(text: &str) -> &str {
     let noticed = text.split_once("os error at ");
     let reason = noticed.and_then(|(_, rest)| Some(rest.split_once(": ")?.1));

@@ -1,21 +1,21 @@
-//! The command palette: type a few letters, go up and down with the arrow keys, press Enter.
+//! Command palette: type a few letters, move with the arrow keys, press Enter.
 
 use egui::{Key, ScrollArea, TextEdit, Ui};
 
-use super::menu::{self, Item};
-use super::state::State;
+use super::menu::{self, MenuItem};
+use super::state::AppState;
 use super::top;
 use crate::model::command::ViewCommand;
 use crate::widgets::{modal, muted};
 
 /// Draws the palette while it is open.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     let Some(mut text) = state.model.dialogs.palette.take() else {
         return;
     };
     let mut items = menu::items(state);
     items.retain(|item| matches(&item.name(), &text));
-    // What cannot be done now comes last, and is never marked.
+    // Unavailable items come last and are never marked.
     items.sort_by_key(|item| !item.enabled);
     let enabled = items.iter().filter(|item| item.enabled).count();
     let mut chosen = None;
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     });
     let is_done = chosen.is_some() || is_left;
     if is_done {
-        // The next time the first line is marked again.
+        // The first item is marked when the palette opens again.
         let id = egui::Id::unique("marked command");
         ui.data_mut(|data| data.remove::<usize>(id));
     }
@@ -63,14 +63,14 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// The line that Enter chooses.
+/// Item that Enter chooses.
 #[derive(Debug, Clone, Copy)]
 struct Marked {
     place: usize,
     has_moved: bool,
 }
 
-/// The marked line: the first one while `is_other`, else that of the arrow keys.
+/// Marked item: the first one if `is_other`, otherwise moved by the arrow keys.
 fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
     let id = egui::Id::unique("marked command");
     let before = ui.data(|data| data.get_temp::<usize>(id)).unwrap_or(0);
@@ -89,7 +89,7 @@ fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
     }
 }
 
-fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
+fn line(ui: &mut Ui, item: &MenuItem, is_marked: bool) -> egui::Response {
     let mut button = egui::Button::selectable(is_marked, item.name())
         .min_size(egui::vec2(ui.available_width(), 24.0));
     if let Some(shortcut) = item.shortcut {
@@ -98,7 +98,7 @@ fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
     ui.add_enabled(item.enabled, button)
 }
 
-/// Whether the letters of `text` occur in `title` in their order, case aside.
+/// Whether the letters of `text` occur in `title` in this order, ignoring case.
 fn matches(title: &str, text: &str) -> bool {
     let mut letters = title.chars().flat_map(char::to_lowercase);
     text.chars()

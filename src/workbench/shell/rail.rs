@@ -1,30 +1,30 @@
-//! The rail of the five phases at the left.
+//! Rail of the five phases, on the left.
 
 use egui::{Align, Layout, Rangef, RichText, Sense, Ui, UiBuilder, Vec2};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::ViewCommand;
 use crate::model::phase::{Phase, PhaseStatus, Screen};
 use crate::model::phase_status;
 use crate::theme::{self, GRID};
 
-/// Width of the rail with icons alone, margins included.
+/// Width of the rail with icons only, including margins.
 pub const NARROW: f32 = 68.0;
 
-/// Height of an entry (points), between those in a low and in a high window.
+/// Height of an entry (points), from a low to a high window.
 const ENTRY: Rangef = Rangef {
     min: 9.0 * GRID,
     max: 17.0 * GRID,
 };
-/// Height (points) from which on a number has room below its icon.
+/// Height (points) from which the number fits below the icon.
 const BELOW: f32 = 13.0 * GRID;
 
-/// Draws the rail; a `narrow` one has icons alone.
-pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
+/// Draws the rail; with icons only if `narrow`.
+pub fn show(ui: &mut Ui, state: &mut AppState, narrow: bool) {
     ui.spacing_mut().item_spacing.y = GRID;
     let count = Phase::ALL.len() as f32;
     let height = ENTRY.clamp((ui.available_height() + GRID) / count - GRID);
-    // Words need theirs.
+    // Text needs the full height.
     let height = if narrow { height } else { ENTRY.max };
     egui::ScrollArea::vertical()
         .id_salt("rail")
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
         .show(ui, |ui| entries(ui, state, (narrow, height)));
 }
 
-fn entries(ui: &mut Ui, state: &mut State, look: (bool, f32)) {
+fn entries(ui: &mut Ui, state: &mut AppState, look: (bool, f32)) {
     for phase in Phase::ALL {
         let Some(open) = &state.model.open else {
             return;

@@ -1,10 +1,10 @@
-//! The dialog of a report: place, heading, certificate, sections.
+//! Report dialog: path, heading, certificate, sections.
 
 use std::collections::BTreeSet;
 
 use egui::{Grid, TextEdit, Ui};
 
-use super::{State, certificate, save};
+use super::{AppState, certificate, save};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, Outbox, ReportCommand, ReportDraft};
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
@@ -14,8 +14,8 @@ use crate::widgets::{
 };
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 
-/// Where is the report to be saved?
-pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
+/// Draws the report dialog.
+pub fn show(ui: &mut Ui, state: &mut AppState, mut draft: ReportDraft) {
     let format = draft.format;
     let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
         heading(ui, &format!("Save the report as {}", format.title()));
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     state.model.dialogs.report = Some(draft);
 }
 
-/// What is out of date, with buttons that compute it again.
+/// Results that are out of date, with buttons that update them.
 fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let mut computing = [IDENTIFYING, DIAGNOSING].into_iter();
     if let Some(title) = computing.find(|title| model.tasks.runs(title)) {

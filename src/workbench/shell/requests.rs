@@ -1,15 +1,16 @@
-//! What commands want of panels and views.
+//! Requests of commands to panels and views.
 
-use super::State;
+use super::AppState;
 use crate::model::UiRequest;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
+use crate::screens::connect;
 use crate::screens::identification::Half;
-use crate::screens::{connect, precalibration};
+use crate::screens::precalibration::PanelPart;
 use crate::views::robot_3d::drawing::CableColour;
 use tautline_workflow::precalibration::Table;
 
-/// Carries out what commands have asked for since the last call.
-pub fn apply(state: &mut State) {
+/// Carries out the requests since the last call.
+pub fn apply(state: &mut AppState) {
     for request in state.model.take_requests() {
         let (panels, plots) = (&mut state.panels, &mut state.views.plots);
         match request {
@@ -18,12 +19,12 @@ pub fn apply(state: &mut State) {
                 state.views.robot_3d.options.colour = CableColour::Residual;
             }
             UiRequest::ShowTable(table) => match table {
-                Table::Winch => panels.precalibration.part = precalibration::Part::Winches,
-                Table::Force => panels.precalibration.part = precalibration::Part::ForceSensors,
-                Table::Home => panels.precalibration.part = precalibration::Part::Home,
+                Table::Winch => panels.precalibration.part = PanelPart::Winches,
+                Table::Force => panels.precalibration.part = PanelPart::ForceSensors,
+                Table::Home => panels.precalibration.part = PanelPart::Home,
                 Table::Elongation => panels.modeling.show_elongation(),
             },
-            UiRequest::ShowRobot => panels.part = Part::Robot,
+            UiRequest::ShowRobot => panels.part = ScreenPart::Robot,
             UiRequest::ShowDescription => panels.modeling.show_description(),
             UiRequest::ShowScope => plots.show_scope(),
             UiRequest::ShowGeometry => {

@@ -1,11 +1,11 @@
-//! Where to save a file: a path that is typed or picked. The dialog stays open until the file is written.
+//! Save dialog with a path to type or choose. It stays open until the file is written.
 
 use std::path::Path;
 
 use egui::{Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::OpenSession;
 use crate::model::command::FileCommand;
 use crate::model::dialogs::SaveContent;
@@ -13,8 +13,8 @@ use crate::model::save_form::SaveForm;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, entered, heading, icon_button, modal, muted, primary, verdict};
 
-/// Draws the dialog while it is open.
-pub fn show(ui: &mut Ui, state: &mut State) {
+/// Draws the save dialog while it is open.
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     let Some(mut draft) = state.model.dialogs.save.take() else {
         return;
     };
@@ -50,16 +50,16 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What the operator asks for in a form, and what the present path means.
-pub(super) struct Asked {
+/// Input of the operator in a save form.
+pub(super) struct SaveResponse {
     pub entered: bool,
     pub browse: bool,
-    /// Whether another file than `own` is there already.
+    /// Whether a file other than `own` exists at the path.
     pub replaces: bool,
 }
 
-/// The path of a file, and the error if writing failed; `own` is written over without a question.
-pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Asked {
+/// Form with a path, and the error if writing failed; the file `own` is overwritten without a question.
+pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> SaveResponse {
     let row = ui.horizontal(|ui| {
         let width = ui.available_width() - 120.0;
         let field = ui.add(TextEdit::singleline(&mut form.path).desired_width(width));
@@ -86,7 +86,7 @@ pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Aske
         None => {}
     }
     let (entered, browse) = row.inner;
-    Asked {
+    SaveResponse {
         entered,
         browse,
         replaces,

@@ -1,12 +1,12 @@
-//! Panels whose size is chosen by the operator alone, never by what they hold.
+//! Panels whose size is set only by the operator, not by their content.
 
 use egui::{Panel, Rangef, Ui, UiBuilder};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
-    /// As it was chosen, or to begin with (points).
+    /// Chosen or initial size (points).
     pub wanted: f32,
-    /// Least and largest that there is room for (points).
+    /// Smallest and largest size that fits (points).
     pub range: Rangef,
 }
 
@@ -16,8 +16,8 @@ impl Size {
     }
 }
 
-/// Draws what belongs into a panel of this size; gives the size that the operator has dragged it to, once it is let go.
-/// `along` is 0 for a panel at the side, 1 for one at the bottom.
+/// Draws a panel of this size; returns a new size when the operator has dragged its edge and released it. `along` is 0
+/// for a side panel, 1 for a bottom panel.
 pub fn sized(
     ui: &mut Ui,
     panel: Panel,
@@ -27,7 +27,7 @@ pub fn sized(
     let now = size.now();
     let pointer = |ui: &Ui| ui.input(|i| (i.pointer.any_down(), i.pointer.any_released()));
     let (is_down, is_released) = pointer(ui);
-    // Only a drag changes it: what was measured for a smaller window is not kept.
+    // Only a drag changes the size; a limit by a small window is temporary.
     let range = if is_down || is_released {
         size.range
     } else {

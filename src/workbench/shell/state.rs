@@ -1,4 +1,4 @@
-//! The model with what screens and views remember.
+//! State of the application: the model, and the state of screens and views.
 
 use crate::model::command::Outbox;
 use crate::model::{Model, Options};
@@ -7,16 +7,16 @@ use crate::views::ViewStates;
 use crate::views::plots::Panes;
 use crate::views::report_picture::report_picture;
 
-pub struct State {
+pub struct AppState {
     pub model: Model,
-    /// Commands that were given in this frame.
+    /// Commands given in this frame.
     pub outbox: Outbox,
     pub panels: PanelStates,
     pub views: ViewStates,
 }
 
-impl State {
-    /// The state at the start of the program.
+impl AppState {
+    /// State at the start of the program.
     #[must_use]
     pub fn new(context: &egui::Context, options: Options) -> Self {
         let model = Model::new(context, options, report_picture);

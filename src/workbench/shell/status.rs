@@ -1,10 +1,10 @@
-//! The bar at the bottom: running work and the last message.
+//! Status bar: running tasks and the last message.
 
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_link::{Activity, LinkProtection};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::{RobotCommand, Setup, ViewCommand};
 use crate::model::messages::Severity;
 use crate::screens::measuring::controller::lost_words;
@@ -12,7 +12,7 @@ use crate::theme;
 use crate::widgets::{icon_only, muted};
 use tautline_workflow::controllers::RobotKind;
 
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, state: &mut AppState) {
     ui.horizontal(|ui| {
         last_message(ui, state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -22,12 +22,12 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn last_message(ui: &mut Ui, state: &mut State) {
+fn last_message(ui: &mut Ui, state: &mut AppState) {
     if icon_only(ui, icons::ICON_LIST, "Show the log", true).clicked() {
         state.outbox.send(ViewCommand::Log(true));
     }
     let palette = theme::of(ui);
-    // An error is shown above the window, or in the dialog that it concerns.
+    // Errors are shown in the alert or in the dialog they concern.
     let last = state.model.messages.last_here();
     let Some(message) = last.filter(|last| last.severity != Severity::Error) else {
         muted(ui, "Ready");
@@ -46,8 +46,8 @@ fn last_message(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// The controller in words.
-fn controller(ui: &mut Ui, state: &mut State) {
+/// State of the controller in words.
+fn controller(ui: &mut Ui, state: &mut AppState) {
     let live = state.model.link.live();
     let palette = theme::of(ui);
     if let Some(lost) = &live.lost {
@@ -71,7 +71,7 @@ fn controller(ui: &mut Ui, state: &mut State) {
         (_, false) => ("not armed", palette.muted),
     };
     let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
-    // A recording must never look like a robot.
+    // A recording must never be mistaken for a robot.
     let words = match (kind, words) {
         (Some(RobotKind::Recording), _) => "recording, no robot".to_owned(),
         (Some(RobotKind::OfDescription), words) => format!("simulated, {words}"),
@@ -80,8 +80,8 @@ fn controller(ui: &mut Ui, state: &mut State) {
     chip(ui, state, (&words, colour));
 }
 
-/// What the controller is and does; a click opens the connection dialog.
-fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) {
+/// Status of the controller. Without a connection it is a button that opens the connection dialog.
+fn chip(ui: &mut Ui, state: &mut AppState, (words, colour): (&str, egui::Color32)) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
     if state.model.link.connected.is_some() {
         ui.label(RichText::new(words).small().color(colour));
@@ -101,8 +101,8 @@ fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) 
     }
 }
 
-/// Whether others on the network can read and change the messages of the connection.
-fn protection(ui: &mut Ui, state: &State) {
+/// Icon for the protection of the connection's messages.
+fn protection(ui: &mut Ui, state: &AppState) {
     let palette = theme::of(ui);
     let lock = |ui: &mut Ui, icon: egui_material_icons::MaterialIcon, colour, text: &str| {
         let lock = icon.rich_text().size(16.0).color(colour);
@@ -121,7 +121,7 @@ fn protection(ui: &mut Ui, state: &State) {
     }
 }
 
-fn work(ui: &mut Ui, state: &mut State) {
+fn work(ui: &mut Ui, state: &mut AppState) {
     let Some(task) = state.model.tasks.running().first() else {
         return;
     };

@@ -1,4 +1,4 @@
-//! Stop: a button above everything else, dialogs included, and a key.
+//! Stop: a button above all layers, including dialogs, and a key.
 
 use egui::{Align2, Area, Button, Id, Order, Response, RichText, Role, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
@@ -8,11 +8,11 @@ use crate::model::Model;
 use crate::model::command::{RobotCommand, STOP};
 use crate::theme::{self, GRID};
 
-/// Size of the button (points), which the bar at the top leaves free in its right corner.
+/// Size of the button (points); the top bar leaves its right corner free for it.
 pub const SIZE: Vec2 = Vec2::new(26.0 * GRID, 6.0 * GRID);
 
-/// Stops the robot when its button or its key is pressed. The button has a layer of its own above all others, and the
-/// press is handled before the rest of the window: no dialog, menu or internal error keeps it away.
+/// Stops the robot when the button or key is pressed. The button has the topmost layer, and the press is handled before
+/// the rest of the window, so that no dialog, menu or internal error can block it.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     if model.open.is_none() {
         return;

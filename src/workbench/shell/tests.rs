@@ -1,4 +1,4 @@
-//! What a panic leaves of the program, and the lines of its menus.
+//! Recovery after a panic, and the menu items.
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -11,7 +11,7 @@ use crate::model::command::{Command, HypothesisCommand, Outcome, RobotCommand};
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Screen};
 
-/// The workbench, whose frames panic when they are told to.
+/// Application whose frames panic on request.
 struct Trapped {
     app: App,
     is_set: bool,
@@ -64,7 +64,7 @@ fn lines_of_menus_keep_their_places() {
     let mut harness = workbench(folder.path());
     let titles = |harness: &Harness<'_, Trapped>| -> Vec<String> {
         let lines = menu::items(&harness.state().app.state).into_iter();
-        // Undo says what, and the next step which.
+        // Undo and the next step have variable titles.
         let fixed = lines.map(|line| line.title.split(':').next().unwrap_or_default().to_owned());
         fixed
             .map(|title| title.replace("Next step", "Next"))
@@ -114,7 +114,11 @@ fn a_panic_in_a_frame_is_told_and_costs_nothing() {
     assert_eq!(names, ["after"], "the session is offered at the next start");
 }
 
-fn robot(harness: &mut Harness<'_, Trapped>, command: RobotCommand, reached: fn(&State) -> bool) {
+fn robot(
+    harness: &mut Harness<'_, Trapped>,
+    command: RobotCommand,
+    reached: fn(&AppState) -> bool,
+) {
     harness.state_mut().app.state.outbox.send(command);
     for _ in 0..6000 {
         harness.step();

@@ -1,32 +1,32 @@
-//! The bar at the top: menus, name of the session, undo and redo.
+//! Top bar: menus, name of the session, undo and redo.
 
 use egui::{Align, Button, Label, Layout, MenuBar, RichText, Ui};
 use egui_material_icons::icons;
 
-use super::menu::{Item, Menu};
-use super::state::State;
+use super::menu::{Menu, MenuItem};
+use super::state::AppState;
 use super::stop;
 use crate::model::command::{Command, ViewCommand};
 use crate::theme;
 use crate::widgets::{icon_only, muted};
 
-/// Least width for the name of the session (points).
+/// Smallest width of the session's name (points).
 const LEAST_NAME: f32 = 40.0;
-/// Width of what follows the name of a session that is not saved (points).
+/// Width of the mark of an unsaved session (points).
 const UNSAVED: f32 = 72.0;
-/// Height of a line of a menu with the space below it (points).
+/// Height of a menu item with the space below it (points).
 const LINE: f32 = 32.0;
 
-/// Gives the commands whose keys were pressed.
-pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
-    let mut items: Vec<&Item> = items.iter().collect();
-    // Keys without Shift also match with it: those that need it come first.
+/// Sends the commands whose shortcuts were pressed.
+pub fn shortcuts(ui: &Ui, state: &mut AppState, items: &[MenuItem]) {
+    let mut items: Vec<&MenuItem> = items.iter().collect();
+    // A shortcut without Shift also matches with Shift, so those with Shift come first.
     items.sort_by_key(|item| item.shortcut.is_none_or(|keys| !keys.modifiers.shift));
     for item in items {
         let Some(shortcut) = item.shortcut else {
             continue;
         };
-        // What cannot be done now is left to the field that is typed in, but never to the same keys without Shift.
+        // The shortcut of an unavailable item is left to the focused field, but never to the same key without Shift.
         if !item.enabled && !shortcut.modifiers.shift {
             continue;
         }
@@ -37,14 +37,14 @@ pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
     }
 }
 
-/// Gives commands one after the other.
-pub fn send(state: &mut State, commands: &[Command]) {
+/// Sends commands in order.
+pub fn send(state: &mut AppState, commands: &[Command]) {
     for command in commands {
         state.outbox.send(command.clone());
     }
 }
 
-pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
+pub fn show(ui: &mut Ui, state: &mut AppState, items: &[MenuItem]) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             ui.menu_button(menu.title(), |ui| {
@@ -56,15 +56,15 @@ pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(ui, state);
-            // What is left; a long name is cut, and a narrow window has no room for it.
+            // The remaining width; a long name is truncated or omitted.
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, state));
         });
     });
 }
 
-/// The lines of a menu; those of a long one are scrolled in a low window.
-fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
-    let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
+/// Items of a menu; a long menu scrolls in a low window.
+fn lines(ui: &mut Ui, state: &mut AppState, (menu, items): (Menu, &[MenuItem])) {
+    let own: Vec<&MenuItem> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;
     let mut add = |ui: &mut Ui| {
         for part in own.chunk_by(|a, b| a.group.is_some() && a.group == b.group) {
@@ -89,7 +89,7 @@ fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
     }
 }
 
-fn line(ui: &mut Ui, state: &mut State, item: &Item) {
+fn line(ui: &mut Ui, state: &mut AppState, item: &MenuItem) {
     let mut button = Button::new(&item.title);
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
@@ -100,7 +100,7 @@ fn line(ui: &mut Ui, state: &mut State, item: &Item) {
     }
 }
 
-fn title(ui: &mut Ui, state: &State) {
+fn title(ui: &mut Ui, state: &AppState) {
     let Some(open) = &state.model.open else {
         return;
     };
@@ -119,7 +119,7 @@ fn title(ui: &mut Ui, state: &State) {
     }
 }
 
-fn right(ui: &mut Ui, state: &mut State) {
+fn right(ui: &mut Ui, state: &mut AppState) {
     if state.model.open.is_some() {
         ui.allocate_space(stop::SIZE);
     }

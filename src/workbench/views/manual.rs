@@ -1,4 +1,4 @@
-//! The manual in a window of its own, and what the program is made of.
+//! Windows of the manual and of *About*.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -13,23 +13,23 @@ use crate::model::manual::{PICTURES, Page};
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, muted, section};
 
-/// Begin of the addresses of pictures of the manual.
+/// Scheme of the picture URLs in the manual.
 const SCHEME: &str = "manual://";
 /// Largest size of the window (points).
 const SIZE: [f32; 2] = [900.0, 640.0];
-/// Width of the list of pages (points).
+/// Width of the page list (points).
 const PAGES: f32 = 196.0;
-/// Width of lines that are read with ease (points).
+/// Comfortable line width (points).
 const READABLE: f32 = 660.0;
 
 #[derive(Default)]
 pub struct Manual {
     cache: CommonMarkCache,
-    /// The page that was drawn last, from whose begin another one is read.
+    /// Page drawn last; another page begins at its top.
     shown: Option<Page>,
 }
 
-/// Draws the manual and what the program is made of, where they are open.
+/// Draws the windows of the manual and of *About* while they are open.
 pub fn show(ui: &mut Ui, model: &Model, manual: &mut Manual, outbox: &mut Outbox) {
     if let Some(page) = model.dialogs.manual {
         pages(ui, page, manual, outbox);
@@ -43,7 +43,7 @@ fn pages(ui: &mut Ui, page: Page, manual: &mut Manual, outbox: &mut Outbox) {
     install(ui.ctx());
     let room = ui.ctx().content_rect().size() - vec2(8.0 * GRID, 16.0 * GRID);
     let mut is_open = true;
-    // A size that was chosen in a small window is not that for a large one.
+    // A size chosen in a small window does not apply to a large one.
     let id = Id::unique(("manual", room.x as i32, room.y as i32));
     Window::new("Manual")
         .id(id)
@@ -91,12 +91,12 @@ fn list(ui: &mut Ui, page: Page, outbox: &mut Outbox) {
 }
 
 fn text(ui: &mut Ui, page: Page, manual: &mut Manual, outbox: &mut Outbox) {
-    // Links to other pages are no addresses.
+    // Links to other pages are not URLs.
     for other in Page::ALL {
         manual.cache.add_link_hook(other.name());
     }
     let width = ui.available_width() as usize;
-    // What is read here may be wanted elsewhere.
+    // Text of the manual can be copied.
     ui.style_mut().interaction.selectable_labels = true;
     CommonMarkViewer::new()
         .max_image_width(Some(width))
@@ -110,14 +110,14 @@ fn text(ui: &mut Ui, page: Page, manual: &mut Manual, outbox: &mut Outbox) {
     }
 }
 
-/// Gives the pictures of the manual to whatever draws them.
+/// Installs the loader of the manual's pictures.
 fn install(context: &Context) {
     if !context.is_loader_installed(Pictures::ID) {
         context.add_image_loader(Arc::new(Pictures::default()));
     }
 }
 
-/// Reads the pictures that are part of the program.
+/// Loader of the pictures that are part of the program.
 #[derive(Default)]
 struct Pictures {
     read: Mutex<HashMap<&'static str, Arc<ColorImage>>>,
@@ -171,7 +171,7 @@ impl ImageLoader for Pictures {
     }
 }
 
-/// The crates in the program with their versions, as they were locked when it was built.
+/// Crates of the program with their versions, from the lock file of the build.
 fn parts() -> Vec<(&'static str, &'static str)> {
     let value = |line: &'static str, key: &str| {
         let quoted = line.strip_prefix(key)?.strip_prefix(" = \"")?;
@@ -180,7 +180,7 @@ fn parts() -> Vec<(&'static str, &'static str)> {
     let packages = include_str!("../../../Cargo.lock").split("[[package]]");
     packages
         .filter_map(|package| {
-            // Without a source it is one of ours.
+            // A package without a source is one of our own.
             package.lines().find_map(|line| value(line, "source"))?;
             let name = package.lines().find_map(|line| value(line, "name"))?;
             let version = package.lines().find_map(|line| value(line, "version"))?;

@@ -1,4 +1,4 @@
-//! What is drawn beside the panels: the robot in 3D, plots.
+//! Views beside the panels: the robot in 3D, plots.
 
 pub(crate) mod manual;
 pub mod offscreen;
@@ -17,14 +17,13 @@ use robot_3d::drawing::FrameLook;
 
 /// State of the views between frames.
 pub struct ViewStates {
-    /// What is under the pointer, in all views.
+    /// Selection under the pointer, in all views.
     pub hovered: Selection,
     pub robot_3d: robot_3d::Robot3d,
-    /// Of the two robots in 3D that are compared.
+    /// 3D view of two compared robots.
     pub compared_3d: robot_3d::Robot3d,
-    /// Of the robot in 3D at the dates of its record.
+    /// 3D view of a robot over the sessions of its record.
     pub record_3d: robot_3d::Robot3d,
-    /// Of the time line.
     pub timeline: timeline::TimelineState,
     pub plots: plots::Panes,
     pub manual: manual::Manual,
@@ -32,7 +31,7 @@ pub struct ViewStates {
 
 impl Default for ViewStates {
     fn default() -> Self {
-        // What differs is often behind the frame.
+        // Displacements are often behind the frame.
         let transparent = || {
             let mut view = robot_3d::Robot3d::default();
             view.options.frame = FrameLook::Transparent;
@@ -51,7 +50,7 @@ impl Default for ViewStates {
 }
 
 impl ViewStates {
-    /// Frees what lies on the graphics card, while its context is current.
+    /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.robot_3d.destroy();
         self.compared_3d.destroy();
@@ -59,7 +58,7 @@ impl ViewStates {
     }
 }
 
-/// Draws the robot in 3D, and below it the time line of what was measured; or the pulley that is inspected.
+/// Draws the robot in 3D with the time line of the poses below, or the inspected pulley.
 pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
     if let Some(inspected) = pulley_inspector::inspected(model) {
         let view = (&mut views.robot_3d, &mut views.hovered);
@@ -79,7 +78,7 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
             .exact_size(timeline::HEIGHT)
             .show(ui, |ui| timeline::show(ui, model, views, outbox));
     }
-    // The picture fills its ground itself: filled here too, it was half of all that egui fills.
+    // The picture fills its own background: filling it here as well was half of all that egui fills.
     let frame = match model.open {
         Some(_) => Frame::new(),
         None => Frame::new().fill(theme::of(ui).ground),

@@ -1,4 +1,4 @@
-//! Pictures without a window: for reports and tests, through EGL.
+//! Rendering without a window, through EGL, for reports and tests.
 #![expect(
     unsafe_code,
     reason = "glutin marks everything that talks to a driver as unsafe"
@@ -25,20 +25,20 @@ use super::robot_3d::{Canvas, paint_picture};
 use crate::model::Selection;
 use crate::theme;
 
-/// Why there is no picture.
+/// Reason why a picture could not be rendered.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OffscreenError {
-    /// No driver.
+    /// No driver was found.
     #[error(
         "no picture can be drawn without a window, because there is no OpenGL by way of EGL: {0}"
     )]
     NoGl(String),
-    /// The driver refused.
+    /// The driver reported an error.
     #[error("the picture could not be drawn: {0}")]
     Refused(String),
 }
 
-/// OpenGL without a window.
+/// OpenGL context without a window.
 pub struct HeadlessGl {
     gl: Arc<glow::Context>,
     context: PossiblyCurrentContext,
@@ -46,10 +46,10 @@ pub struct HeadlessGl {
 }
 
 impl HeadlessGl {
-    /// OpenGL on the first device that has it.
+    /// Creates a context on the first device with OpenGL.
     ///
     /// # Errors
-    /// If no device has it.
+    /// If no device has OpenGL.
     pub fn new() -> Result<Self, OffscreenError> {
         let devices =
             Device::query_devices().map_err(|error| OffscreenError::NoGl(error.to_string()))?;
@@ -71,8 +71,8 @@ impl HeadlessGl {
         let attributes = ContextAttributesBuilder::new()
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        // SAFETY: the device comes from the query, no native handle is passed, and the display outlives the context:
-        // both are kept together.
+        // SAFETY: the device comes from the query, no native handle is passed, and the display outlives the context,
+        // because both are stored together.
         unsafe {
             let display = Display::with_device(device, None)?;
             let config = display
@@ -90,16 +90,16 @@ impl HeadlessGl {
         }
     }
 
-    /// The functions of OpenGL; they work on the thread on which [`Self::make_current`] was called last.
+    /// OpenGL functions, for the thread on which [`Self::make_current`] was called last.
     #[must_use]
     pub fn gl(&self) -> &Arc<glow::Context> {
         &self.gl
     }
 
-    /// Makes this the context of the present thread.
+    /// Makes this the current context of the thread.
     ///
     /// # Errors
-    /// If the driver refuses.
+    /// If the driver reports an error.
     pub fn make_current(&self) -> Result<(), OffscreenError> {
         self.context
             .make_current_surfaceless()
@@ -107,14 +107,14 @@ impl HeadlessGl {
     }
 }
 
-/// Paints what egui has drawn, with its 3D parts, without a window.
+/// Renders the output of egui, including its 3D parts, without a window.
 pub struct OffscreenPainter {
     painter: Painter,
     headless: HeadlessGl,
 }
 
 impl OffscreenPainter {
-    /// A painter.
+    /// Creates the painter.
     ///
     /// # Errors
     /// If there is no OpenGL.
@@ -125,16 +125,16 @@ impl OffscreenPainter {
         Ok(Self { painter, headless })
     }
 
-    /// The OpenGL that it paints with.
+    /// OpenGL context of the painter.
     #[must_use]
     pub fn headless(&self) -> &HeadlessGl {
         &self.headless
     }
 
-    /// Takes fonts and pictures that egui wants to be kept.
+    /// Uploads or frees textures of egui.
     ///
     /// # Errors
-    /// If the driver refuses.
+    /// If the driver reports an error.
     pub fn take_textures(&mut self, delta: &mut TexturesDelta) -> Result<(), OffscreenError> {
         self.headless.make_current()?;
         for (id, images) in delta.set.drain() {
@@ -148,10 +148,10 @@ impl OffscreenPainter {
         Ok(())
     }
 
-    /// The picture of a frame.
+    /// Renders a frame.
     ///
     /// # Errors
-    /// If the driver refuses.
+    /// If the driver reports an error.
     pub fn picture(
         &mut self,
         context: &egui::Context,
@@ -184,11 +184,10 @@ impl Drop for OffscreenPainter {
     }
 }
 
-/// The picture of a scene as the view draws it, numbers and legends included: `size` points large, with `scale` pixels for
-/// each.
+/// Renders a scene like the 3D view, with labels and legends: `size` points large, with `scale` pixels per point.
 ///
 /// # Errors
-/// If there is no OpenGL or it refuses.
+/// If there is no OpenGL, or the driver reports an error.
 pub fn render_scene(
     scene: &Scene,
     options: &Options,
@@ -211,17 +210,17 @@ pub fn render_scene(
     })
 }
 
-/// What `draw` paints into a rectangle: `size` points large, with `scale` pixels for each.
+/// Renders what `draw` paints into a rectangle of `size` points, with `scale` pixels per point.
 ///
 /// # Errors
-/// If there is no OpenGL or it refuses.
+/// If there is no OpenGL, or the driver reports an error.
 pub fn render(
     (size, scale): (Vec2, f32),
     theme: Theme,
     draw: impl FnMut(&mut Ui, Rect),
 ) -> Result<RgbaImage, OffscreenError> {
     let mut painter = OffscreenPainter::new()?;
-    // Dropped before the painter: what it keeps on the graphics card needs the painter's context.
+    // Dropped before the painter, because its resources on the graphics card need the painter's context.
     let mut draw = draw;
     let context = egui::Context::default();
     theme::install(&context);
@@ -234,7 +233,7 @@ pub fn render(
     if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
         viewport.native_pixels_per_point = Some(scale);
     }
-    // Fonts are laid out in the first pass and known in the second.
+    // Fonts requested in the first pass are available in the second.
     let mut output = FullOutput::default();
     for _ in 0..2 {
         output = context.run_ui(input.clone(), |ui| draw(ui, rect));

@@ -1,4 +1,4 @@
-//! The picture of the robot on the first page.
+//! Picture of the robot on the first page of a report.
 
 use std::collections::BTreeSet;
 use std::io::Cursor;
@@ -9,27 +9,27 @@ use tautline_session::Session;
 use super::offscreen::render_scene;
 use super::robot_3d::camera::{Camera, StandardView};
 use super::robot_3d::drawing::Options;
-use super::robot_3d::scene::Subject;
+use super::robot_3d::scene::SceneInputs;
 use tautline_workflow::identification::Identification;
 
 /// Width and height (points of the screen).
 const SIZE: [u32; 2] = [840, 560];
-/// Pixels for each.
+/// Pixels per point.
 const SCALE: f32 = 2.0;
 
-/// The robot with its cables as PNG; with an identification also how far the pulleys are from the drawing. Coordinates
-/// of the pulleys in `pinned` are written beside them.
+/// Robot with its cables as PNG; with an identification also the displacements of the pulleys. Coordinates of the
+/// pulleys in `pinned` are written beside them.
 ///
 /// # Errors
-/// One sentence, if there is no OpenGL.
+/// An error message, if there is no OpenGL.
 pub fn report_picture(
     session: &Session,
     fit: Option<&Identification>,
     pinned: &BTreeSet<usize>,
 ) -> Result<Vec<u8>, String> {
-    let subject = Subject {
+    let subject = SceneInputs {
         fit,
-        ..Subject::new(&session.robot, &session.measurements)
+        ..SceneInputs::new(&session.robot, &session.measurements)
     };
     let scene = subject.scene();
     let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
@@ -43,7 +43,7 @@ pub fn report_picture(
     let image = render_scene(&scene, &options, &camera, (SIZE, SCALE), Theme::Light)
         .map_err(|error| error.to_string())?;
     let mut png = Cursor::new(Vec::new());
-    // Paper has no transparency.
+    // Reports have no transparency.
     image::DynamicImage::ImageRgba8(image)
         .to_rgb8()
         .write_to(&mut png, image::ImageFormat::Png)

@@ -1,4 +1,4 @@
-//! The time line of the measured poses: the pose that is selected on it is the one that everything shows.
+//! Time line of the measured poses; the pose selected on it is shown in all views.
 
 use egui::{
     Align, EventFilter, Key, Layout, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
@@ -15,20 +15,20 @@ use tautline_workflow::wording::count;
 
 /// Height of the time line with its margins (points).
 pub const HEIGHT: f32 = 40.0;
-/// How long each pose is shown while they are played (s); a recording in motion is played as fast as it was.
+/// Duration of each pose during playback (s); a recording of a motion is played at its own speed.
 const EACH_S: f64 = 0.35;
-/// Longest mean time between the samples of a recording in motion (s).
+/// Longest mean interval between the samples of a recording of a motion (s).
 const LONGEST_STEP_S: f64 = 0.2;
-/// Width of the words at its end (points).
+/// Width of the text at the end (points).
 const WORDS: f32 = 120.0;
-/// Least distance of two marks (points).
+/// Smallest distance between two marks (points).
 const APART: f32 = 3.0;
 
 #[derive(Debug, Default)]
 pub struct TimelineState {
-    /// When the present pose was reached, while poses are played (s).
+    /// Time at which the present pose was reached during playback (s).
     reached_s: Option<f64>,
-    /// When the playback of a recording began, and at which of its times (s).
+    /// Start of the playback of a recording: time of the window, and time of the recording (s).
     began_s: Option<(f64, f64)>,
 }
 
@@ -94,7 +94,7 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
     }
 }
 
-/// Goes on to the next pose when it is time.
+/// Advances the playback to the next pose when its time has come.
 fn play(
     ui: &Ui,
     plays: bool,
@@ -107,7 +107,7 @@ fn play(
         view.reached_s = None;
         return Vec::new();
     }
-    // The first pose comes at once.
+    // The first pose is shown at once.
     let since = view.reached_s.unwrap_or(f64::NEG_INFINITY);
     let now = ui.input(|input| input.time);
     ui.ctx()
@@ -128,7 +128,7 @@ fn play(
     vec![ViewCommand::Pose(step)]
 }
 
-/// Whether poses are the samples of a recording in motion.
+/// Whether the poses are samples of a recording of a motion.
 fn is_recording(labels: &[i64], times_s: &[f64]) -> bool {
     match (times_s, labels.len()) {
         ([first, .., last], count) if times_s.len() == count => {
@@ -138,7 +138,7 @@ fn is_recording(labels: &[i64], times_s: &[f64]) -> bool {
     }
 }
 
-/// Goes on to the sample of this time.
+/// Advances the playback to the sample of the present time.
 fn play_recording(
     ui: &Ui,
     view: &mut TimelineState,
@@ -164,7 +164,7 @@ fn play_recording(
     commands
 }
 
-/// The pose at a place and its number, the home pose not counted.
+/// Label of the pose and its number, without the home pose.
 fn words(labels: &[i64], place: Option<usize>) -> String {
     let poses = |labels: &[i64]| labels.iter().filter(|label| **label != 0).count();
     let all = poses(labels);
@@ -179,7 +179,7 @@ fn words(labels: &[i64], place: Option<usize>) -> String {
     }
 }
 
-/// The line with a mark for each pose, in the colour of its residual.
+/// Line with a mark for each pose, in the colour of its residual.
 fn track(
     ui: &mut Ui,
     (open, scene): (&OpenSession, Option<&Scene>),
@@ -246,7 +246,7 @@ fn paint(ui: &Ui, (open, scene): (&OpenSession, Option<&Scene>), line: Rect, pal
     }
 }
 
-/// The commands of its keys, while it has the focus or the pointer is over it.
+/// Commands of its keys, while it has the focus or the pointer is over it.
 fn keys(ui: &Ui, response: &Response, plays: bool) -> Vec<ViewCommand> {
     if response.clicked() {
         response.request_focus();

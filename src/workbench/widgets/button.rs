@@ -1,11 +1,11 @@
-//! Buttons and boxes to tick.
+//! Buttons, radio buttons and check boxes.
 
 use egui::{Button, Response, RichText, Role, Ui, WidgetInfo};
 use egui_material_icons::MaterialIcon;
 
 use crate::theme;
 
-/// The one next step of a panel.
+/// Primary button of a panel, for the next step.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
     let palette = theme::of(ui);
     let label = RichText::new(text)
@@ -19,7 +19,7 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
     )
 }
 
-/// Whether a field of one line was left with Enter; Enter with other keys is not its own.
+/// Whether a single-line field was left with Enter, without modifier keys.
 pub fn entered(field: &Response) -> bool {
     let is_enter = |i: &egui::InputState| i.modifiers.is_none() && i.key_pressed(egui::Key::Enter);
     field.lost_focus() && field.ctx.input(is_enter)
@@ -29,12 +29,12 @@ pub fn checkbox(ui: &mut Ui, is_ticked: &mut bool, text: &str) -> Response {
     as_light_as_a_field(ui, |ui| ui.checkbox(is_ticked, text))
 }
 
-/// One of several choices.
+/// Radio button.
 pub fn radio(ui: &mut Ui, is_chosen: bool, text: &str) -> Response {
     as_light_as_a_field(ui, |ui| ui.radio(is_chosen, text))
 }
 
-/// One of several choices, which a click makes.
+/// Radio button that sets a value.
 pub fn choice<V: PartialEq>(ui: &mut Ui, chosen: &mut V, this: V, text: &str) -> Response {
     let response = radio(ui, *chosen == this, text);
     if response.clicked() {
@@ -43,7 +43,7 @@ pub fn choice<V: PartialEq>(ui: &mut Ui, chosen: &mut V, this: V, text: &str) ->
     response
 }
 
-/// What is ticked or chosen looks as if it could not be used with the ground of a button.
+/// Draws a check box or radio button with the background of a field; that of a button would look disabled.
 fn as_light_as_a_field(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     let palette = theme::of(ui);
     let before = ui.visuals().widgets.inactive;
@@ -55,25 +55,25 @@ fn as_light_as_a_field(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Re
     response
 }
 
-/// Gives a button a name of its own, where its text alone is there twice.
+/// Gives a button an accessible name, if its text is not unique.
 pub fn named(button: Response, name: &str) -> Response {
     let enabled = button.enabled();
     button.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
     button
 }
 
-/// A button with icon and text; its accessible name is the text.
+/// Button with icon and text, which is its accessible name.
 pub fn icon_button(ui: &mut Ui, icon: MaterialIcon, text: &str, enabled: bool) -> Response {
     let button = Button::new((icon.rich_text().size(16.0), text));
     named(ui.add_enabled(enabled, button), text)
 }
 
-/// A button with an icon alone; the name is its tooltip and its accessible name.
+/// Button with an icon only; `name` is its tooltip and accessible name.
 pub fn icon_only(ui: &mut Ui, icon: MaterialIcon, name: &str, enabled: bool) -> Response {
     let button = Button::new(icon.rich_text().size(18.0))
         .frame_when_inactive(false)
         .min_size(egui::vec2(28.0, 24.0));
-    // As high as other buttons, so that it stands in one line with them.
+    // Same height as other buttons.
     let response = ui.scope(|ui| {
         ui.spacing_mut().button_padding.y = 0.0;
         ui.add_enabled(enabled, button)

@@ -1,4 +1,4 @@
-//! Which faults poses show and which of them look alike, as a matrix.
+//! Matrix of faults that the poses detect and that could be confused.
 
 use egui::{
     Align2, Color32, FontId, Pos2, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, Window, vec2,
@@ -10,14 +10,14 @@ use crate::widgets::muted;
 
 /// Size of a cell (points).
 const CELL: [f32; 2] = [22.0, 17.0];
-/// Width of the names, and of the probability of detection.
+/// Width of the names and of the probability of detection (points).
 const NAME: f32 = 268.0;
 const SHOWN: f32 = 40.0;
 /// Height of a title bar (points).
 const TITLE: f32 = 36.0;
-/// Least distance of the window from the edges of the program's.
+/// Smallest distance of the window from the edges of the program's window (points).
 const AROUND: f32 = 48.0;
-/// Probability of a confusion below which a cell has no number.
+/// Probability of confusion below which a cell has no number.
 const NUMBERED: f64 = 0.01;
 
 pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
@@ -35,8 +35,8 @@ pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
         .show(ui.ctx(), |ui| fault_matrix(ui, table));
 }
 
-/// Draws the matrix: a row for each kind of fault that could be present, with the probability that it is seen, and a column
-/// for each with which it could be confused.
+/// Draws the matrix: a row for each possible fault, with its probability of detection, and a column for each fault with
+/// which it could be confused.
 fn fault_matrix(ui: &mut Ui, table: &IsolabilityTable) {
     ui.add(egui::Label::new(table.summary()).wrap());
     muted(
@@ -76,7 +76,7 @@ fn fault_matrix(ui: &mut Ui, table: &IsolabilityTable) {
         });
 }
 
-/// Where everything stands.
+/// Layout of the matrix.
 struct Places {
     rect: Rect,
 }
@@ -104,7 +104,7 @@ impl Places {
         Rect::from_min_size(Pos2::new(left, self.top(row)), CELL.into()).shrink(0.5)
     }
 
-    /// Row and column under a place; no row in the head, no column on a name.
+    /// Row and column at a position; no row in the header, no column on a name.
     fn at(&self, place: Pos2) -> [Option<usize>; 2] {
         let index = |offset: f32, size: f32| (offset >= 0.0).then(|| (offset / size) as usize);
         [
@@ -114,7 +114,7 @@ impl Places {
     }
 }
 
-/// The numbers of the columns.
+/// Column numbers.
 fn head(ui: &Ui, table: &IsolabilityTable, places: &Places, palette: &Palette) {
     let middle = places.rect.top() + 0.5 * CELL[1];
     let at = |cell: Rect| Pos2::new(cell.center().x, middle);
@@ -149,14 +149,14 @@ fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usi
     }
 }
 
-/// A cell in a colour of some strength.
+/// Cell with a colour and strength.
 fn filled(ui: &Ui, rect: Rect, (colour, strength): (Color32, f64), palette: &Palette) {
     let share = 0.6 * strength.clamp(0.0, 1.0) as f32;
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, palette.ground.lerp_to_gamma(colour, share));
 }
 
-/// A probability in percent.
+/// Probability in percent.
 fn number(ui: &Ui, rect: Rect, value: f64, palette: &Palette) {
     let text = format!("{:.0}", 100.0 * value);
     small(ui, rect.center(), &text, palette.text);
@@ -167,7 +167,7 @@ fn small(ui: &Ui, at: Pos2, text: &str, colour: Color32) {
     ui.painter().text(at, align, text, font, colour);
 }
 
-/// Text of the tooltip of a cell.
+/// Tooltip of a cell.
 fn words(table: &IsolabilityTable, places: &Places, place: Pos2) -> Option<String> {
     let [row, column] = places.at(place);
     match (row, column) {

@@ -1,4 +1,4 @@
-//! A row for importing a file: typed path, dialog.
+//! Row for importing a file: path and file dialog.
 
 use std::path::PathBuf;
 
@@ -8,15 +8,15 @@ use egui_material_icons::icons;
 use super::button::{entered, icon_button, icon_only};
 use crate::theme::GRID;
 
-/// How a file is to be imported.
+/// Choice of a file to import.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Import {
     Path(PathBuf),
-    /// By a dialog.
+    /// With a file dialog.
     Browse,
 }
 
-/// Draws the row for a file such as "winch.csv"; `path` is what is typed.
+/// Draws the row for a file such as "winch.csv"; `path` is the typed path.
 pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> {
     let mut answer = None;
     let size = Vec2::new(ui.available_width(), 7.0 * GRID);
@@ -39,7 +39,7 @@ pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> 
     answer
 }
 
-/// A field for a path, with its name and what it says while it is empty; whether Enter ended it.
+/// Field for a path, with name and hint; returns whether Enter was pressed.
 pub fn path_field(ui: &mut Ui, (name, hint): (&str, &str), path: &mut String, width: f32) -> bool {
     let field = TextEdit::singleline(path)
         .hint_text(hint)

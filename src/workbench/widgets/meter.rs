@@ -1,11 +1,10 @@
-//! A share as a bar.
+//! Bar of a share.
 
 use egui::{Color32, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 
 use crate::theme::{self, GRID};
 
-/// Draws a share from 0 to 1 as a bar over the whole width, with a mark where `mark` is; `name` is what a reader of the screen is
-/// told.
+/// Draws a share from 0 to 1 as a bar over the full width, with a mark at `mark`; `name` is its accessible name.
 pub fn meter(
     ui: &mut Ui,
     name: &str,

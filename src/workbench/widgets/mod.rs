@@ -1,4 +1,4 @@
-//! Widgets that panels are made of.
+//! Widgets of the panels.
 
 mod button;
 mod fault_matrix;
@@ -30,5 +30,5 @@ pub use pose_fields::PoseFields;
 pub use probability::probability;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
 pub use tab_row::{TabOf, fitting, tab_row};
-pub use table::{Cell, Column, Touched, table};
+pub use table::{Cell, TableColumn, TableResponse, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

@@ -1,11 +1,10 @@
-//! Dialogs that everything else waits for; only Stop is drawn above them.
+//! Modal dialogs; only Stop is drawn above them.
 
 use egui::{Frame, Id, Modal, Order, Ui};
 
 use crate::theme::GRID;
 
-/// Draws a dialog above the screen; gives what `content` gives, and whether the operator leaves it by Escape or by a click
-/// beside it.
+/// Draws a modal dialog; returns the result of `content` and whether the operator left it by Escape or a click outside.
 pub(crate) fn modal<T>(
     ui: &Ui,
     (name, width): (&str, f32),
@@ -20,7 +19,7 @@ pub(crate) fn modal<T>(
     (shown.inner, is_left)
 }
 
-/// Keeps the screen from the pointer and the keys while a window of a library is open above it.
+/// Blocks pointer and keys for the screen while a window of a library is open above it.
 pub(crate) fn backdrop(ui: &Ui, name: &str) {
     let area = Modal::default_area(Id::unique(name)).order(Order::Middle);
     let behind = Modal::new(Id::unique(name)).area(area).frame(Frame::NONE);

@@ -1,4 +1,4 @@
-//! Fields for numbers.
+//! Number fields.
 
 use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2, WidgetInfo};
 
@@ -6,13 +6,13 @@ use super::text::muted;
 use crate::theme::{self, GRID};
 use tautline_workflow::wording::units::fixed;
 
-/// What was typed into a field for a number.
+/// Input of a number field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entered {
     Value(f64),
-    /// Nothing, in a field that may be empty.
+    /// Empty, in an optional field.
     Nothing,
-    /// Invalid input, with a sentence on what was found and expected.
+    /// Invalid input, with an error message.
     Wrong(String),
 }
 
@@ -22,18 +22,18 @@ pub struct Number<'a> {
     pub name: &'a str,
     /// `None` if the field is empty.
     pub value: Option<f64>,
-    /// Decimals that are shown.
+    /// Number of decimals.
     pub decimals: usize,
-    /// Unit behind it; may be empty.
+    /// Unit after the field; may be empty.
     pub unit: &'a str,
-    /// Whether it may be empty.
+    /// Whether the field may be empty.
     pub optional: bool,
-    /// Its least width (points).
+    /// Smallest width (points).
     pub width: f32,
 }
 
 impl<'a> Number<'a> {
-    /// A field that must not be empty, with its least width (points).
+    /// Required field, with its smallest width (points).
     #[must_use]
     pub fn of(name: &'a str, value: f64, decimals: usize, unit: &'a str, width: f32) -> Self {
         Self {
@@ -56,12 +56,12 @@ impl<'a> Number<'a> {
     }
 }
 
-/// Draws a field; the answer comes when it is left or the enter key is pressed, if its text was changed.
+/// Draws a number field; returns its input when it is left or Enter is pressed, if the text was changed.
 pub fn number(ui: &mut Ui, field: &Number<'_>) -> Option<Entered> {
     number_checked(ui, field, &|_| Ok(()))
 }
 
-/// The same for a number that has to pass a check, already while it is typed.
+/// Number field with a check, which is applied while typing.
 pub fn number_checked(
     ui: &mut Ui,
     field: &Number<'_>,
@@ -100,7 +100,7 @@ pub fn number_checked(
     (!escaped).then_some(answer)
 }
 
-/// Width of a field with a text (points); the cursor has room behind it.
+/// Width of a field for a text (points), with room for the cursor.
 pub(crate) fn width_of(ui: &Ui, text: &str) -> f32 {
     let font = TextStyle::Body.resolve(ui.style());
     let colour = theme::of(ui).text;
@@ -110,7 +110,7 @@ pub(crate) fn width_of(ui: &Ui, text: &str) -> f32 {
 
 fn edit(ui: &mut Ui, field: &Number<'_>, text: &mut String, wrong: bool) -> Response {
     let palette = theme::of(ui);
-    // A number is never cut off, also where a column of a grid is still narrower.
+    // A number is never truncated, even while a grid column is still too narrow.
     let width = field.width.max(width_of(ui, text));
     let mut edit = TextEdit::singleline(text)
         .id(field.text_id(ui))
@@ -147,10 +147,10 @@ fn entered(text: &str, field: &Number<'_>, check: &dyn Fn(f64) -> Result<(), Str
     }
 }
 
-/// A number with a decimal point or comma.
+/// Parses a number with a decimal point or comma.
 ///
 /// # Errors
-/// What was found and what was expected.
+/// If the text is not a number; the message states what was found and expected.
 pub fn parse(text: &str) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {

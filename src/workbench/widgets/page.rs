@@ -1,13 +1,14 @@
-//! A page of text and choices in the middle of the window.
+//! Centred page of text and controls.
 
 use egui::{ScrollArea, Ui};
 
 use crate::theme::GRID;
 
-/// Greatest width of a column of text (points).
+/// Greatest width of a text column (points).
 pub const COLUMN: f32 = 640.0;
 
-/// Draws `contents` in the middle, at most so wide and with space above (points); it scrolls where it is longer than the window.
+/// Draws `contents` centred, with this greatest width and space above (points); scrolls if it is higher than the
+/// window.
 pub fn page(ui: &mut Ui, (most, above): (f32, f32), contents: impl FnOnce(&mut Ui)) {
     let margin = ((ui.available_width() - most) / 2.0).max(4.0 * GRID);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

@@ -1,8 +1,8 @@
-//! The frame of a panel beside others, and panels one at a time where there is no room for all.
+//! Frames of panels, and tabs for one panel at a time.
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::theme::{self, GRID};
 
 /// Fill and margin of a panel.
@@ -12,12 +12,12 @@ pub fn panel_frame(ui: &Ui) -> Frame {
         .inner_margin(Margin::same(3 * GRID as i8))
 }
 
-/// One part at a time: tabs with the titles of the parts, and below them the chosen part, drawn by `draw`.
+/// Tabs with the titles of the parts, and below them the chosen part, drawn by `draw`.
 pub fn one_part(
     ui: &mut Ui,
-    chosen: &mut Part,
-    parts: [(Part, &str); 3],
-    draw: impl FnOnce(&mut Ui, Part),
+    chosen: &mut ScreenPart,
+    parts: [(ScreenPart, &str); 3],
+    draw: impl FnOnce(&mut Ui, ScreenPart),
 ) {
     let frame = panel_frame(ui);
     Panel::top("tabs of parts").frame(frame).show(ui, |ui| {

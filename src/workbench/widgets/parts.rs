@@ -1,11 +1,11 @@
-//! The parts of a phase as rows with progress, name and a one-line result; a click opens a part.
+//! Parts of a phase as rows with progress, title and one line of result; a click opens a part.
 
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo};
 
 use crate::model::phase::PhaseStatus;
 use crate::theme::{self, GRID};
 
-/// Draws the parts with their titles below each other; a click on one chooses it.
+/// Draws the parts as rows; a click chooses one.
 pub fn parts<P: Copy + PartialEq, const N: usize>(
     ui: &mut Ui,
     parts: [(P, &str, PhaseStatus); N],

@@ -1,4 +1,4 @@
-//! Fields in which a measured pose is typed.
+//! Fields for typing a measured pose.
 
 use egui::{TextEdit, Ui, WidgetInfo};
 use tautline_core::geometry::Pose;
@@ -9,7 +9,7 @@ use crate::theme::GRID;
 
 const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
 
-/// What is typed: position (mm) and angles (degrees).
+/// Typed position (mm) and angles (degrees).
 #[derive(Debug, Default)]
 pub struct PoseFields {
     texts: [String; 6],
@@ -21,7 +21,7 @@ pub struct PoseFieldsResponse {
 }
 
 impl PoseFields {
-    /// Draws two lines of fields, whose accessible names begin with `name`; `focuses` puts the cursor into the first.
+    /// Draws two rows of fields, whose accessible names begin with `name`; `focuses` moves the cursor to the first.
     pub fn show(&mut self, ui: &mut Ui, name: &str, focuses: bool) -> PoseFieldsResponse {
         let (position, angles) = FIELDS.split_at(3);
         let mut left = self.line(ui, name, (position, 0), "mm", focuses);
@@ -60,15 +60,14 @@ impl PoseFields {
         left
     }
 
-    /// Whether nothing is typed.
     pub fn is_empty(&self) -> bool {
         self.texts.iter().all(|text| text.trim().is_empty())
     }
 
-    /// The pose: x, y, z, and roll, pitch, yaw with `R = Rx(roll) Ry(pitch) Rz(yaw)`, or none of the three.
+    /// Typed pose: x, y, z, and optionally roll, pitch, yaw with `R = Rx(roll) Ry(pitch) Rz(yaw)`.
     ///
     /// # Errors
-    /// What is wrong with which field.
+    /// The name of the field and its error.
     pub fn pose(&self) -> Result<CheckPose, String> {
         let mut numbers = [0.0; 6];
         let oriented = self.texts[3..].iter().any(|text| !text.trim().is_empty());

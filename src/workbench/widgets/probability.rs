@@ -1,4 +1,4 @@
-//! A probability as a bar with its words.
+//! Probability as a bar with text.
 
 use egui::{Response, Ui};
 use tautline_core::diagnosis::NAMING_PROBABILITY;
@@ -8,8 +8,8 @@ use tautline_workflow::wording::sentence;
 use super::meter;
 use crate::theme::{self, GRID};
 
-/// Draws the probability of `what`: a bar from 0 to 1, marked at 0.95 from where a cause is named, and the words below,
-/// which are returned.
+/// Draws the probability of `what`: a bar from 0 to 1, marked at 0.95, above which a cause is named, and a text below,
+/// which is returned.
 pub fn probability(ui: &mut Ui, what: &str, probability: f64) -> Response {
     ui.add_space(0.5 * GRID);
     let palette = theme::of(ui);

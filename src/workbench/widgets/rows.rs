@@ -1,4 +1,4 @@
-//! Rows of numbers to type, paste, change and remove.
+//! Editor for rows of numbers: type, paste, change, remove.
 
 use egui::{Align, Layout, RichText, Role, ScrollArea, TextEdit, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
@@ -8,31 +8,31 @@ use super::number::{Entered, Number, number, parse};
 use super::text::muted;
 use crate::theme::{self, GRID};
 
-/// Most columns of a row.
+/// Largest number of columns.
 pub const COLUMNS: usize = 3;
-/// A row: one number for each column, in SI units; what is missing is `None`.
+/// Row with one number for each column, in SI units; `None` if missing.
 pub type Numbers = [Option<f64>; COLUMNS];
 
 #[derive(Debug, Clone, Copy)]
 pub struct RowField {
     /// Quantity of the column, such as "Length".
     pub title: &'static str,
-    /// Unit that the operator reads and types.
+    /// Unit of the displayed values.
     pub unit: &'static str,
     /// Display units per SI unit.
     pub per_si: f64,
-    /// Decimals that are shown.
+    /// Number of decimals.
     pub decimals: usize,
-    /// Whether it may be empty.
+    /// Whether a cell may be empty.
     pub optional: bool,
-    /// Which values are possible (SI units).
+    /// Valid range (SI units).
     pub accepts: fn(f64) -> bool,
-    /// The same in words, such as "a load of 0 or more".
+    /// Valid range in words, such as "a load of 0 or more".
     pub expects: &'static str,
 }
 
 impl RowField {
-    /// A column of numbers, of which any is possible.
+    /// Column of numbers without limits.
     #[must_use]
     pub const fn new(title: &'static str, unit: &'static str, decimals: usize) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl RowField {
         }
     }
 
-    /// A column of lengths in millimetres.
+    /// Column of lengths in millimetres.
     #[must_use]
     pub const fn millimetres(title: &'static str, decimals: usize) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl RowField {
         }
     }
 
-    /// The same for certain values only (SI units), which are described in words.
+    /// Restricts the valid range (SI units), described in words.
     #[must_use]
     pub const fn accepting(self, accepts: fn(f64) -> bool, expects: &'static str) -> Self {
         Self {
@@ -65,7 +65,7 @@ impl RowField {
         }
     }
 
-    /// The same with cells that may be empty.
+    /// Allows empty cells.
     #[must_use]
     pub const fn optional(self) -> Self {
         Self {
@@ -75,20 +75,20 @@ impl RowField {
     }
 }
 
-/// What the operator changed.
+/// Edit of the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RowsEdit {
-    /// Changed a number: row, column, new value.
+    /// Changed number: row, column, new value.
     Set(usize, usize, Option<f64>),
     Add(Vec<Numbers>),
     Remove(usize),
-    /// Typed something that cannot be understood; one sentence.
+    /// Invalid input, with an error message.
     Wrong(String),
 }
 
 impl RowsEdit {
-    /// Makes the edit in a list, of which the editor shows the items that `is_shown`. What does not make an item, because a
-    /// number is missing, is left out.
+    /// Applies the edit to a list, of which the editor shows the items that satisfy `is_shown`. Rows with a missing
+    /// number, which make no item, are skipped.
     pub fn apply<T>(
         self,
         list: &mut Vec<T>,
@@ -121,27 +121,27 @@ impl RowsEdit {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<'a> {
-    /// What a row is, such as "Pair".
+    /// Noun for a row, such as "Pair".
     pub noun: &'a str,
     pub fields: &'a [RowField],
     pub rows: &'a [Numbers],
     /// Title and unit of the remarks; may be empty.
     pub remarks: (&'a str, &'a str),
-    /// A remark for each row, such as its residual; may be empty.
+    /// Remark for each row, such as its residual; may be empty.
     pub remark: &'a [String],
 }
 
-/// Width of the columns for number, remark and button (points), and the space between columns.
+/// Width of the columns for number, remark and button, and the gap between columns (points).
 const NUMBER: f32 = 5.0 * GRID;
 const REMARK: f32 = 13.0 * GRID;
 const BUTTON: f32 = 7.0 * GRID;
 const SPACE: f32 = GRID;
 /// Height of a row (points).
 const HEIGHT: f32 = 7.0 * GRID;
-/// Rows that are shown without scrolling.
+/// Number of rows shown without scrolling.
 const SHOWN: usize = 10;
 
-/// Draws the rows, and below them a field into which more are typed or pasted.
+/// Draws the rows, and below them a field for typing or pasting more.
 pub fn rows(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit> {
     let mut answer = None;
     let width = field_width(ui, rows);
@@ -174,11 +174,11 @@ pub fn rows(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit
     add(ui, rows, draft).or(answer)
 }
 
-/// Width of a field, so that a row fills the panel.
+/// Width of a field at which the rows fill the panel.
 fn field_width(ui: &Ui, rows: &Rows<'_>) -> f32 {
     let count = rows.fields.len() as f32;
     let fixed = NUMBER + REMARK + BUTTON + SPACE * (count + 2.0);
-    // The scroll bar takes some of the width.
+    // The scroll bar needs some of the width.
     ((ui.available_width() - fixed - 4.0 * GRID) / count).clamp(16.0 * GRID, 28.0 * GRID)
 }
 
@@ -294,11 +294,11 @@ fn add(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit> {
     })
 }
 
-/// Rows from text: one on each line, its numbers apart by tabs, semicolons or blanks, or by commas where
-/// those are no decimal commas.
+/// Parses rows: one per line, with numbers separated by tabs, semicolons or blanks, or by commas that are not decimal
+/// commas.
 ///
 /// # Errors
-/// The first line that is no row, with what was found and what was expected.
+/// The first invalid line, with what was found and expected.
 pub fn parse_rows(text: &str, fields: &[RowField]) -> Result<Vec<Numbers>, String> {
     let lines = text.lines().enumerate();
     let lines = lines.filter(|(_, line)| !line.trim().is_empty());
@@ -318,7 +318,7 @@ fn split(line: &str) -> Vec<&str> {
         }
     }
     let words: Vec<&str> = line.split_whitespace().collect();
-    // "1, 2" has commas that separate, "1,5 2,5" has decimal ones.
+    // In "1, 2" the comma separates, in "1,5 2,5" it is decimal.
     if words.len() < 2 || words.iter().rev().skip(1).all(|word| word.ends_with(',')) {
         return line.split(',').map(str::trim).collect();
     }

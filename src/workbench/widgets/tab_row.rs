@@ -1,18 +1,17 @@
-//! A row of tabs that never wraps: those for which there is no room are in a menu at its end.
+//! Row of tabs that never wraps: tabs without room are in a menu at its end.
 
 use egui::{Button, Popup, Role, TextStyle, Ui, WidgetInfo, WidgetText};
 use egui_material_icons::icons;
 
 #[derive(Debug, Clone, Copy)]
 pub struct TabOf<T> {
-    /// What it stands for.
     pub value: T,
     pub title: &'static str,
-    /// Why it cannot be chosen, if so.
+    /// Reason why the tab is not available, if so.
     pub missing: Option<&'static str>,
 }
 
-/// Draws the row; `more` names the menu of those that have no room.
+/// Draws the row; `more` is the name of the menu for the remaining tabs.
 pub fn tab_row<T: Copy + PartialEq>(ui: &mut Ui, more: &str, tabs: &[TabOf<T>], chosen: &mut T) {
     let widths: Vec<f32> = tabs.iter().map(|tab| width(ui, tab.title)).collect();
     let place = tabs.iter().position(|tab| tab.value == *chosen);
@@ -59,7 +58,8 @@ fn width(ui: &Ui, title: &str) -> f32 {
     galley.size().x + 2.0 * ui.spacing().button_padding.x
 }
 
-/// Which of tabs of these widths are shown in a row; the chosen one always is. `menu` is the width of the menu's button.
+/// Selects the tabs of these widths that fit into a row, always including the chosen one. `menu` is the width of the
+/// menu button.
 pub fn fitting(
     widths: &[f32],
     chosen: Option<usize>,

@@ -1,4 +1,4 @@
-//! Tables: numbers right-aligned, one line for each item; a click selects it.
+//! Tables: numbers right-aligned, one row for each item; a click selects it.
 
 use std::sync::Arc;
 
@@ -8,13 +8,13 @@ use egui_material_icons::MaterialIcon;
 use crate::theme::{self, GRID};
 
 #[derive(Debug, Clone, Copy)]
-pub struct Column<'a> {
+pub struct TableColumn<'a> {
     title: &'a str,
     unit: &'a str,
     numeric: bool,
 }
 
-impl<'a> Column<'a> {
+impl<'a> TableColumn<'a> {
     #[must_use]
     pub const fn words(title: &'a str) -> Self {
         Self {
@@ -24,7 +24,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// A column of numbers in a unit, which may be empty.
+    /// Column of numbers with a unit, which may be empty.
     #[must_use]
     pub const fn number(title: &'a str, unit: &'a str) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Cell {
         }
     }
 
-    /// The same in a colour.
+    /// Sets a colour.
     #[must_use]
     pub fn coloured(self, colour: Color32) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Cell {
         }
     }
 
-    /// The same behind a dot of a colour, as of a cable.
+    /// Adds a dot in a colour, such as that of a cable.
     #[must_use]
     pub fn with_dot(self, colour: Color32) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl Cell {
         }
     }
 
-    /// The same behind a sign.
+    /// Adds an icon.
     #[must_use]
     pub fn with_icon(self, icon: MaterialIcon) -> Self {
         Self {
@@ -80,32 +80,32 @@ impl Cell {
     }
 }
 
-/// What the operator did with a table.
+/// Interaction of the operator with a table.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Touched {
+pub struct TableResponse {
     pub clicked: Option<usize>,
     pub double_clicked: Option<usize>,
     pub hovered: Option<usize>,
 }
 
-/// Height of a line of the header (points).
+/// Height of a header line (points).
 const LINE: f32 = 4.0 * GRID;
-/// Least space between columns (points).
+/// Smallest gap between columns (points).
 const GAP: f32 = 2.5 * GRID;
-/// Least width to which a column of names is wrapped (points).
+/// Smallest width to which a column of names is wrapped (points).
 const NAME: f32 = 18.0 * GRID;
 /// Diameter of a dot (points).
 const DOT: f32 = 2.0 * GRID;
 /// Space between the edge of a row and its text (points).
 const MARGIN: f32 = GRID;
 
-/// Draws a table; rows have a cell for each column, and `selected` is highlighted.
+/// Draws a table; each row has a cell for each column; the row `selected` is highlighted.
 pub fn table(
     ui: &mut Ui,
-    columns: &[Column<'_>],
+    columns: &[TableColumn<'_>],
     rows: &[Vec<Cell>],
     selected: Option<usize>,
-) -> Touched {
+) -> TableResponse {
     let mut galleys: Vec<Vec<Galleys>> = rows
         .iter()
         .map(|cells| cells.iter().map(|cell| Galleys::of(ui, cell)).collect())
@@ -126,7 +126,7 @@ pub fn table(
     let gaps = GAP * (widths.len().max(1) - 1) as f32 + 2.0 * MARGIN;
     let excess = widths.iter().sum::<f32>() + gaps - ui.available_width();
     if let (true, Some(first)) = (excess > 0.0, widths.first_mut()) {
-        // Numbers stay in their lines; names take two.
+        // Numbers are not wrapped; names take two lines.
         *first = first.min((*first - excess).max(NAME));
         for (cells, galleys) in rows.iter().zip(&mut galleys) {
             if let (Some(cell), Some(galley)) = (cells.first(), galleys.first_mut()) {
@@ -142,7 +142,7 @@ pub fn table(
         gap: GAP + extra,
         width,
     };
-    let mut touched = Touched::default();
+    let mut touched = TableResponse::default();
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         if needed > ui.available_width() {
@@ -166,7 +166,7 @@ struct Places {
 }
 
 impl Places {
-    /// Left edge of what is `width` wide in column `k` of a row that begins at `left`.
+    /// Left edge of an item of this width in column `k` of a row that begins at `left`.
     fn x(&self, left: f32, k: usize, numeric: bool, width: f32) -> f32 {
         let before: f32 = self.widths[..k].iter().map(|w| w + self.gap).sum();
         let slack = if numeric { self.widths[k] - width } else { 0.0 };
@@ -198,7 +198,7 @@ impl Galleys {
         }
     }
 
-    /// Wraps the text of the cell to the width.
+    /// Wraps the text of the cell.
     fn wrap(&mut self, ui: &Ui, cell: &Cell, width: f32) {
         let excess = self.width() - width;
         if excess > 0.0 {
@@ -239,15 +239,15 @@ fn small(ui: &Ui, text: &str) -> Arc<Galley> {
 
 fn body(
     ui: &mut Ui,
-    columns: &[Column<'_>],
+    columns: &[TableColumn<'_>],
     heads: &[[Arc<Galley>; 2]],
     (rows, galleys): (&[Vec<Cell>], &[Vec<Galleys>]),
     places: &Places,
     selected: Option<usize>,
-) -> Touched {
+) -> TableResponse {
     header(ui, columns, heads, places);
     let palette = theme::of(ui);
-    let mut touched = Touched::default();
+    let mut touched = TableResponse::default();
     for (index, (cells, galleys)) in rows.iter().zip(galleys).enumerate() {
         let tallest = galleys.iter().map(|galley| galley.text.size().y + 2.0);
         let least = ui.spacing().interact_size.y;
@@ -281,7 +281,7 @@ fn body(
     touched
 }
 
-fn header(ui: &mut Ui, columns: &[Column<'_>], heads: &[[Arc<Galley>; 2]], places: &Places) {
+fn header(ui: &mut Ui, columns: &[TableColumn<'_>], heads: &[[Arc<Galley>; 2]], places: &Places) {
     let lines = if columns.iter().any(|column| !column.unit.is_empty()) {
         2.0
     } else {

@@ -14,13 +14,13 @@ pub fn section(ui: &mut Ui, text: &str) -> Response {
     ui.label(RichText::new(text).font(theme::strong(13.0)))
 }
 
-/// What is less important.
+/// Text of less importance.
 pub fn muted(ui: &mut Ui, text: &str) -> Response {
     let colour = theme::of(ui).muted;
     ui.label(RichText::new(text).color(colour))
 }
 
-/// A line with a name at the left and a number with its unit at the right.
+/// Row with a name on the left and a number with its unit on the right.
 pub fn value(ui: &mut Ui, name: &str, number: &str, unit: &str) {
     ui.horizontal(|ui| {
         ui.label(name);
@@ -49,7 +49,7 @@ impl Verdict {
         }
     }
 
-    /// The icon for somebody who does not see it.
+    /// Text of the icon, for screen readers.
     fn name(self) -> &'static str {
         match self {
             Self::Good => "Good:",
@@ -60,7 +60,7 @@ impl Verdict {
     }
 }
 
-/// A verdict in words, with an icon in its colour.
+/// Verdict in words, with a coloured icon.
 pub fn verdict(ui: &mut Ui, verdict: Verdict, text: &str) {
     let palette = theme::of(ui);
     let colour = match verdict {

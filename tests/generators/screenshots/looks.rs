@@ -13,9 +13,9 @@ use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::manual::Page;
-use tautline_workbench::model::part::Part;
+use tautline_workbench::model::part::ScreenPart;
 use tautline_workbench::model::phase::{Phase, Screen};
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 
@@ -229,7 +229,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
     looks.stage.connect_and_arm();
     looks.at("demo-armed")?;
     looks.stage.press("Start measuring");
-    let measured = |state: &State| state.model.link.run.as_ref().map_or(0, |run| run.done());
+    let measured = |state: &AppState| state.model.link.run.as_ref().map_or(0, |run| run.done());
     looks
         .stage
         .wait("twelve poses", |state| measured(state) >= 12);
@@ -253,7 +253,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
     phase(&mut looks.stage, Phase::Adjustment);
     looks.stage.give_parameters();
     looks.at("demo-phase-5")?;
-    let verified = |state: &State| {
+    let verified = |state: &AppState| {
         let open = state.model.open.as_ref();
         open.map_or(0, |open| open.session().verifications().len())
     };
@@ -288,7 +288,7 @@ fn until(looks: &mut Looks) -> Result<()> {
     looks.stage.press("All pulleys are accurate to");
     looks.stage.connect_and_arm();
     looks.stage.press("Start measuring");
-    let measured = |state: &State| state.model.link.run.as_ref().map_or(0, |run| run.done());
+    let measured = |state: &AppState| state.model.link.run.as_ref().map_or(0, |run| run.done());
     for (poses, name) in [(3, "until-first"), (11, "until-decides")] {
         looks.stage.wait("poses", |state| measured(state) >= poses);
         looks.stage.give(RobotCommand::Speed(0.1));
@@ -396,7 +396,9 @@ fn plots(looks: &mut Looks) -> Result<()> {
     looks.stage.press("Plot layout");
     looks.stage.press("Four plots");
     looks.at("plots-four")?;
-    looks.stage.give(ViewCommand::Maximise(Some(Part::Plots)));
+    looks
+        .stage
+        .give(ViewCommand::Maximise(Some(ScreenPart::Plots)));
     looks.at("plots-maximised")?;
     looks.stage.give(ViewCommand::Maximise(None));
     looks.stage.press("Plot layout");

@@ -22,7 +22,7 @@ use tautline_workbench::model::command::{
 };
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::{Phase, Screen};
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workflow::history::Tolerance;
 
 use crate::generators::{hypotheses, sessions};
@@ -89,7 +89,7 @@ fn until() -> Result<Stage> {
     }));
     stage.connect_and_arm();
     stage.press("Start measuring");
-    let chosen = |state: &State| {
+    let chosen = |state: &AppState| {
         let run = state
             .model
             .link

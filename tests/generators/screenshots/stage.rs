@@ -8,7 +8,7 @@ use image::RgbImage;
 use tautline_session::Folders;
 use tautline_workbench::model::Options;
 use tautline_workbench::model::command::{Command, RobotCommand};
-use tautline_workbench::shell::{App, State};
+use tautline_workbench::shell::{App, AppState};
 
 use crate::support::harness::{
     GlowTestRenderer, connect_and_arm, give, give_parameters, press, settle, wait,
@@ -66,7 +66,7 @@ impl Stage {
     }
 
     /// The state of the program.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &AppState {
         &self.harness.state().state
     }
 
@@ -158,7 +158,7 @@ impl Stage {
     }
 
     /// Lets the workbench run until its state meets a condition.
-    pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
+    pub fn wait(&mut self, what: &str, reached: impl Fn(&AppState) -> bool) {
         wait(&mut self.harness, what, reached);
     }
 

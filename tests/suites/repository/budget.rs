@@ -15,7 +15,7 @@ const BUDGET: [(&str, usize); 9] = [
     ("python", 988),
     ("session", 8056),
     ("study", 3164),
-    ("workbench", 38082),
+    ("workbench", 38148),
     ("workflow", 20951),
 ];
 

@@ -12,7 +12,7 @@ use tautline_validation::support::harness::GlowTestRenderer;
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{CompareCommand, FileCommand};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::robot_3d::scene::Subject;
+use tautline_workbench::views::robot_3d::scene::SceneInputs;
 
 use crate::measured::{give, press};
 use crate::support::{options, settle, type_into, workbench};
@@ -131,9 +131,9 @@ fn a_row_frames_its_pulley_and_those_that_did_not_move_fade() {
         let state = &harness.state().state;
         let compared = state.model.comparison.known().expect("a comparison");
         let [first, _] = compared.runs.each_ref().map(|run| run.fit.as_ref());
-        let subject = Subject {
+        let subject = SceneInputs {
             fit: Some(first),
-            ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+            ..SceneInputs::new(&first.dataset.robot, &first.dataset.measurements)
         };
         let scene = subject.scene().compared(&compared.comparison);
         (0..8)
@@ -197,7 +197,7 @@ fn a_session_that_cannot_be_compared_is_named() {
         .outbox
         .send(CompareCommand::Choose(
             tautline_workbench::model::comparison::Side::B,
-            tautline_workbench::model::comparison::Source::File(planar),
+            tautline_workbench::model::comparison::SessionSource::File(planar),
         ));
     settle(&mut harness);
     settle(&mut harness);

@@ -12,10 +12,10 @@ use tautline_session::{
 };
 use tautline_validation::support::harness::words;
 use tautline_workbench::model::command::{Answer, Command, FileCommand, RobotCommand, Setup};
-use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::link::LinkRequest;
+use tautline_workbench::model::link::RunStep;
 use tautline_workbench::model::phase::Phase;
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workflow::adjusting::Purpose;
 
 use crate::demo::Bench;
@@ -50,12 +50,12 @@ fn planned(poses: usize) -> (Session, Dataset) {
     (session, dataset)
 }
 
-fn measured(state: &State) -> usize {
+fn measured(state: &AppState) -> usize {
     let document = state.model.open.as_ref();
     document.map_or(0, |d| d.session().measurements.len())
 }
 
-fn told(state: &State, part: &str) -> bool {
+fn told(state: &AppState, part: &str) -> bool {
     let mut all = state.model.messages.all().iter();
     all.any(|message| message.text.contains(part))
 }
@@ -202,8 +202,8 @@ fn a_typed_laser_distance_is_requested_at_every_pose() {
     bench.settle("what to expect of the plan");
     bench.connect_and_arm();
     bench.press("Start measuring");
-    let asked = |state: &State| match state.model.link.live().doing {
-        Doing::Asking { label, expected_m } => Some((label, expected_m)),
+    let asked = |state: &AppState| match state.model.link.live().doing {
+        RunStep::Asking { label, expected_m } => Some((label, expected_m)),
         _ => None,
     };
     let mut typed = Vec::new();
@@ -376,7 +376,7 @@ fn a_connection_lost_while_writing_reports_what_the_controller_holds() {
     let values = vec![(held.name.clone(), held.value + 1e-3)];
     bench.give(RobotCommand::WriteValues(values, Purpose::Adjust));
     bench.wait("an outcome", |state| !state.model.link.writing);
-    let settled = |state: &State| {
+    let settled = |state: &AppState| {
         let document = state.model.open.as_ref();
         let last = document.and_then(|d| d.session().adjustments().last());
         last.is_some_and(|last| !last.is_open())
@@ -408,8 +408,8 @@ fn verification_poses_are_typed_without_an_instrument() {
     let mut bench = connected(&plant, 3);
     bench.go(Phase::Adjustment);
     bench.press("Measure before");
-    let asked = |state: &State| match state.model.link.live().doing {
-        Doing::Locating { number, .. } => Some(number),
+    let asked = |state: &AppState| match state.model.link.live().doing {
+        RunStep::Locating { number, .. } => Some(number),
         _ => None,
     };
     for number in 1..=2 {

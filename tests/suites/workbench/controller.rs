@@ -7,11 +7,11 @@ use std::thread;
 use tautline_session::find_unsaved_sessions;
 use tautline_workbench::model::command::RobotCommand;
 use tautline_workbench::model::phase::Phase;
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 
 use crate::demo::Bench;
 
-fn measured(state: &State) -> usize {
+fn measured(state: &AppState) -> usize {
     let document = state.model.open.as_ref();
     document.map_or(0, |d| d.session().measurements.len())
 }
@@ -38,7 +38,7 @@ fn a_panic_in_the_controller_thread_is_reported_and_loses_nothing() {
     bench.press("Start measuring");
     bench.wait("three poses", |state| measured(state) >= 3);
     break_down(&bench);
-    let told = |state: &State| {
+    let told = |state: &AppState| {
         let all = state.model.messages.all().iter();
         all.filter(|message| message.text.contains("internal error"))
             .count()

@@ -12,7 +12,7 @@ use tautline_workbench::model::Options;
 use tautline_workbench::model::command::Command;
 use tautline_workbench::model::command::{FileCommand, RobotCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
-use tautline_workbench::shell::{App, State};
+use tautline_workbench::shell::{App, AppState};
 
 /// A workbench with files in a folder that lives as long as this.
 pub struct Bench {
@@ -76,7 +76,7 @@ impl Bench {
         Folders::below(&folder.path().join("user"))
     }
 
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &AppState {
         &self.harness.state().state
     }
 
@@ -110,7 +110,7 @@ impl Bench {
     }
 
     /// Lets the workbench run until its state meets a condition.
-    pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
+    pub fn wait(&mut self, what: &str, reached: impl Fn(&AppState) -> bool) {
         wait(&mut self.harness, what, reached);
     }
 

@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_session::{PlotArea, Plots, Preferences};
 use tautline_workbench::model::command::{IdentificationCommand, ViewCommand};
-use tautline_workbench::model::part::Part;
+use tautline_workbench::model::part::ScreenPart;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 use tautline_workbench::views::plots::Panes;
@@ -102,7 +102,7 @@ fn a_plot_has_a_window_of_its_own_until_it_is_docked_again() {
     assert!(plot.width() > 400.0 && plot.height() > 200.0, "{plot:?}");
     // The next plot is in its place.
     assert_eq!(harness.get_all_by_label_contains("Plot: ").count(), 2);
-    give(&mut harness, ViewCommand::Maximise(Some(Part::Panel)));
+    give(&mut harness, ViewCommand::Maximise(Some(ScreenPart::Panel)));
     rect(&harness, "Plot: Residuals");
     give(&mut harness, ViewCommand::Maximise(None));
     press(&mut harness, "Dock");
@@ -130,9 +130,9 @@ fn every_part_is_maximised_and_restored() {
     assert!(large.area() > 1.8 * view.area(), "{large:?} {view:?}");
     assert!(harness.query_by_label("Plot: Residuals").is_none());
     for (key, part) in [
-        (Key::F8, Some(Part::Plots)),
-        (Key::F9, Some(Part::Panel)),
-        (Key::F7, Some(Part::Robot)),
+        (Key::F8, Some(ScreenPart::Plots)),
+        (Key::F9, Some(ScreenPart::Panel)),
+        (Key::F7, Some(ScreenPart::Robot)),
         (Key::F6, None),
     ] {
         harness.key_press(key);
@@ -141,7 +141,7 @@ fn every_part_is_maximised_and_restored() {
         assert_eq!(harness.state().state.model.maximised, part, "{key:?}");
     }
     // A maximised part does not hide a part that has to be seen.
-    give(&mut harness, ViewCommand::Maximise(Some(Part::Panel)));
+    give(&mut harness, ViewCommand::Maximise(Some(ScreenPart::Panel)));
     give(&mut harness, ViewCommand::Inspect(Some(2)));
     assert_eq!(harness.state().state.model.maximised, None);
 }

@@ -2,7 +2,7 @@
 
 use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::{Command, IdentificationCommand};
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 
 use crate::measured::{Measured, document, give, press};
 use crate::support::settle;
@@ -10,7 +10,7 @@ use crate::support::settle;
 /// The button that asks.
 const ASK: &str = "Diagnose model";
 
-fn effects(state: &State) -> Vec<String> {
+fn effects(state: &AppState) -> Vec<String> {
     let document = state.model.open.as_ref().expect("a session");
     let effects = &document.session().settings.identification.effects;
     effects

@@ -14,8 +14,8 @@ use tautline_workbench::theme;
 use tautline_workbench::views::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
-use tautline_workbench::views::robot_3d::picking::{Picture, Thing};
-use tautline_workbench::views::robot_3d::scene::{CableView, Scene, Subject};
+use tautline_workbench::views::robot_3d::picking::{Pickable, Picture};
+use tautline_workbench::views::robot_3d::scene::{CableView, Scene, SceneInputs};
 
 use crate::robot_3d::{in_window, open, session_of};
 use crate::support::options;
@@ -23,7 +23,7 @@ use crate::support::options;
 const SIZE: [u32; 2] = [900, 600];
 
 fn scene_of(robot: &Robot) -> Scene {
-    Subject::new(robot, &Measurements::default()).scene()
+    SceneInputs::new(robot, &Measurements::default()).scene()
 }
 
 fn preset(name: &str) -> Robot {
@@ -163,7 +163,7 @@ fn check_cables(picture: &Picture<'_>, image: &RgbaImage, theme: Theme) -> usize
             let at = picture
                 .on_screen(&ends[0].lerp(&ends[1], share))
                 .expect("a place on the screen");
-            let Some(Thing::Cable(index)) = picture.pick(at.x, at.y) else {
+            let Some(Pickable::Cable(index)) = picture.pick(at.x, at.y) else {
                 continue;
             };
             let wanted = colour(palette.cable(index));

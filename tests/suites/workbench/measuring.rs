@@ -7,16 +7,16 @@ use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::Export;
 use tautline_workbench::model::command::{IdentificationCommand, RobotCommand, ViewCommand};
 use tautline_workbench::model::phase::Phase;
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 
 use crate::demo::Bench;
 
-fn measured(state: &State) -> usize {
+fn measured(state: &AppState) -> usize {
     let document = state.model.open.as_ref();
     document.map_or(0, |d| d.session().measurements.len())
 }
 
-fn paused(state: &State) -> bool {
+fn paused(state: &AppState) -> bool {
     let run = state.model.link.run.as_ref();
     run.is_some_and(|run| run.paused.is_some())
 }

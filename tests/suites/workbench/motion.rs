@@ -8,7 +8,7 @@ use tautline_session::{
 };
 use tautline_validation::support::harness::words;
 use tautline_workbench::model::command::RobotCommand;
-use tautline_workbench::model::link::Doing;
+use tautline_workbench::model::link::RunStep;
 use tautline_workbench::model::phase::Phase;
 
 use crate::demo::Bench;
@@ -63,7 +63,7 @@ fn the_panel_in_motion_has_what_matters_until_the_robot_stands() {
     bench.wait("the way to the third pose", |state| {
         let run = state.model.link.run.as_ref();
         let is_third = run.is_some_and(|run| run.current == Some(3));
-        is_third && state.model.link.live().doing == Doing::Moving
+        is_third && state.model.link.live().doing == RunStep::Moving
     });
     bench.harness.step();
     for part in [

@@ -37,8 +37,8 @@ fn primary(harness: &Harness<'_, App>, phase: Phase) -> String {
 
 /// Checks that the primary button is the remedy of the first red sign on the screen, if there is one.
 pub fn is_the_remedy(harness: &Harness<'_, App>, phase: Phase) {
-    let signs = next_step::signs(&harness.state().state.model, phase);
-    let Some(first) = signs.first() else {
+    let problems = next_step::problems(&harness.state().state.model, phase);
+    let Some(first) = problems.first() else {
         let said = words(harness);
         assert_eq!(red_signs(harness), 0, "{phase:?} has no remedy: {said:?}");
         return;

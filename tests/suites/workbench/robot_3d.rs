@@ -15,7 +15,7 @@ use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::camera::{Camera, Projection};
 use tautline_workbench::views::robot_3d::drawing::{ArrowColour, FrameLook, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
-use tautline_workbench::views::robot_3d::scene::Shown;
+use tautline_workbench::views::robot_3d::scene::ShownPose;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
 use crate::support::{options, settle, workbench};
@@ -120,12 +120,12 @@ fn a_click_selects_and_the_pointer_is_told_what_it_is_over() {
     let selection = harness.state().state.model.selection;
     assert_eq!(selection.cable, Some(1), "a pose adds to the cable");
     let label = selection.pose.expect("it is there");
-    assert_eq!(scene(&harness).shown, Shown::Fitted(label));
+    assert_eq!(scene(&harness).shown, ShownPose::Fitted(label));
     assert!(scene(&harness).cables[0].residual.is_some());
     let corner = harness.get_by_label("3D view").rect().left_top() + vec2(12.0, 60.0);
     click(&mut harness, corner);
     assert!(harness.state().state.model.selection.is_empty());
-    assert_eq!(scene(&harness).shown, Shown::Home);
+    assert_eq!(scene(&harness).shown, ShownPose::Home);
 }
 
 #[test]
@@ -190,7 +190,7 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     let document = state.model.open.as_mut().expect("a session");
     assert!(document.edit(Edit::SetPlan(plan, "plan".into())));
     harness.run_ok();
-    assert_eq!(scene(&harness).shown, Shown::Live);
+    assert_eq!(scene(&harness).shown, ShownPose::Live);
     assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));
     assert_eq!(scene(&harness).planned, [pose.position]);
     assert_eq!(camera(&harness), before);

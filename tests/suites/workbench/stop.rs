@@ -13,11 +13,11 @@ use tautline_workbench::model::command::{
     RobotCommand, Setup, ViewCommand, WriteDraft,
 };
 use tautline_workbench::model::edit::Edit;
-use tautline_workbench::model::link::Doing;
+use tautline_workbench::model::link::RunStep;
 use tautline_workbench::model::phase::{Phase, Screen};
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workbench::shell::menu::items;
-use tautline_workbench::views::robot_3d::scene::Shown;
+use tautline_workbench::views::robot_3d::scene::ShownPose;
 use tautline_workflow::report::ReportFormat;
 
 use crate::demo::Bench;
@@ -37,7 +37,7 @@ fn button(bench: &mut Bench) -> (Rect, bool) {
     (node.rect(), !node.accesskit_node().is_disabled())
 }
 
-fn shown(bench: &mut Bench) -> Shown {
+fn shown(bench: &mut Bench) -> ShownPose {
     step(bench);
     let scene = bench.state().views.robot_3d.scene();
     scene.expect("it is drawn").shown
@@ -54,11 +54,11 @@ fn moving(bench: &mut Bench) {
     bench.wait("a pose on the way", |state| {
         let run = state.model.link.run.as_ref();
         let is_second = run.is_some_and(|run| run.current == Some(2));
-        is_second && state.model.link.live().doing == Doing::Moving
+        is_second && state.model.link.live().doing == RunStep::Moving
     });
 }
 
-fn ended(state: &State) -> bool {
+fn ended(state: &AppState) -> bool {
     !state.model.link.is_measuring()
 }
 
@@ -80,7 +80,7 @@ fn stop_has_one_place_and_a_key_and_shows_where_the_robot_is() {
     bench.harness.step();
     bench.wait("the end", ended);
     bench.give(ViewCommand::Palette(false));
-    assert_eq!(shown(&mut bench), Shown::Stopped);
+    assert_eq!(shown(&mut bench), ShownPose::Stopped);
     let live = bench.state().model.live_platform.clone().expect("a place");
     assert!(live.is_stopped && !live.trail.is_empty());
     let plan = &bench.session().plan;
@@ -93,14 +93,14 @@ fn stop_has_one_place_and_a_key_and_shows_where_the_robot_is() {
     );
     // A pose that is chosen is shown; a new run shows the robot again.
     bench.give(ViewCommand::Select(Selection::pose(0)));
-    assert_ne!(shown(&mut bench), Shown::Stopped);
+    assert_ne!(shown(&mut bench), ShownPose::Stopped);
     bench.go(Phase::Measuring);
     bench.press("Continue measuring");
     bench.wait("the robot", |state| state.model.live_platform.is_some());
-    assert_eq!(shown(&mut bench), Shown::Live);
+    assert_eq!(shown(&mut bench), ShownPose::Live);
     bench.press("Stop the robot");
     bench.wait("the end", ended);
-    assert_eq!(shown(&mut bench), Shown::Stopped);
+    assert_eq!(shown(&mut bench), ShownPose::Stopped);
 }
 
 /// A dialog of the program.
@@ -199,7 +199,7 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
     for dialog in &DIALOGS {
         let name = dialog.name;
         bench.wait("motion", |state| {
-            state.model.link.live().doing == Doing::Moving
+            state.model.link.live().doing == RunStep::Moving
         });
         (dialog.open)(&mut bench);
         step(&mut bench);
@@ -233,7 +233,7 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
 }
 
 /// The state that keys could change behind a dialog.
-fn behind(state: &State) -> String {
+fn behind(state: &AppState) -> String {
     let model = &state.model;
     let open = model.open.as_ref().expect("a session");
     let dialogs = &model.dialogs;

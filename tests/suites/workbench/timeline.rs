@@ -7,7 +7,7 @@ use tautline_session::{PlotArea, Preferences};
 use tautline_workbench::model::command::{IdentificationCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::robot_3d::scene::Shown;
+use tautline_workbench::views::robot_3d::scene::ShownPose;
 
 use crate::measured::{Measured, give, press};
 use crate::support::settle;
@@ -16,7 +16,7 @@ fn pose(harness: &Harness<'_, App>) -> Option<i64> {
     harness.state().state.model.selection.pose
 }
 
-fn shown(harness: &Harness<'_, App>) -> Shown {
+fn shown(harness: &Harness<'_, App>) -> ShownPose {
     let scene = harness.state().state.views.robot_3d.scene();
     scene.expect("it is drawn").shown
 }
@@ -46,7 +46,7 @@ fn poses_are_stepped_through_by_keys_pointer_and_buttons() {
         harness.key_press(key);
         harness.run_ok();
         assert_eq!(pose(&harness), Some(expected), "{key:?}");
-        assert_eq!(shown(&harness), Shown::Fitted(expected), "{key:?}");
+        assert_eq!(shown(&harness), ShownPose::Fitted(expected), "{key:?}");
     }
     assert!(harness.query_all_by_label("Home").next().is_some());
     let last = egui::pos2(line.max.x - 2.0, line.center().y);

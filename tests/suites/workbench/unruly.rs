@@ -13,7 +13,7 @@ use tautline_workbench::model::command::{Answer, FileCommand, RobotCommand};
 use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::link::scope::Scope;
 use tautline_workbench::model::phase::Phase;
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::wording::sentence;
 
@@ -52,12 +52,12 @@ fn arm(bench: &mut Bench) {
     bench.wait("arming", |state| state.model.link.is_armed());
 }
 
-fn told(state: &State, part: &str) -> bool {
+fn told(state: &AppState, part: &str) -> bool {
     let mut all = state.model.messages.all().iter();
     all.any(|message| message.text.contains(part))
 }
 
-fn measured(state: &State) -> usize {
+fn measured(state: &AppState) -> usize {
     let open = state.model.open.as_ref();
     open.map_or(0, |open| open.session().measurements.len())
 }
@@ -164,7 +164,7 @@ fn an_overload_waits_for_the_operator_each_time() {
     bench.give(RobotCommand::Start);
     bench.wait("home", |state| measured(state) == 1);
     plant.show_force(Some((2, 500.0)));
-    let paused = |state: &State| {
+    let paused = |state: &AppState| {
         let run = state.model.link.run.as_ref();
         run.and_then(|run| run.paused.clone())
     };
@@ -252,7 +252,7 @@ fn readings_that_are_sent_reach_the_scope() {
     let plant = Plant::unruly();
     plant.server.run_clock(&global("time"), Instant::now());
     let mut bench = connected(&plant);
-    let readings = |state: &State| state.model.link.scope(Scope::readings).unwrap_or(0);
+    let readings = |state: &AppState| state.model.link.scope(Scope::readings).unwrap_or(0);
     let asked = plant.server.count(RequestKind::Read);
     let shown = readings(bench.state());
     bench.wait("readings", |state| readings(state) >= shown + 100);

@@ -20,7 +20,7 @@ use tautline_validation::support::harness::words;
 use tautline_workbench::model::command::{Command, RobotCommand};
 use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::phase::Phase;
-use tautline_workbench::shell::State;
+use tautline_workbench::shell::AppState;
 use tautline_workflow::sequential::{DecidedPose, UntilRequest};
 
 use crate::demo::Bench;
@@ -52,12 +52,12 @@ fn until(goal: Goal, at_most: usize) -> UntilSettings {
 }
 
 /// Poses in the session, home included.
-fn measured(state: &State) -> usize {
+fn measured(state: &AppState) -> usize {
     let open = state.model.open.as_ref();
     open.map_or(0, |open| open.session().measurements.len())
 }
 
-fn has_ended(state: &State) -> bool {
+fn has_ended(state: &AppState) -> bool {
     !state.model.link.is_measuring()
 }
 
@@ -172,7 +172,7 @@ fn causes_that_are_possible_have_bars_and_the_limit_ends_the_run() {
 }
 
 /// The pose that was chosen last, while it is not measured.
-fn chosen(state: &State) -> Option<DecidedPose> {
+fn chosen(state: &AppState) -> Option<DecidedPose> {
     let until = state.model.link.run.as_ref()?.until.as_ref()?;
     let known = until.assessment().filter(|_| !until.is_deciding());
     known.and(until.poses().last().cloned())

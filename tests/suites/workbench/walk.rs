@@ -109,7 +109,7 @@ fn compare_with_a_clean_session(bench: &mut Bench) {
     );
 }
 
-fn verified(state: &tautline_workbench::shell::State) -> usize {
+fn verified(state: &tautline_workbench::shell::AppState) -> usize {
     state
         .model
         .open

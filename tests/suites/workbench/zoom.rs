@@ -10,7 +10,7 @@ use tautline_workbench::model::Selection;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::{Drawing, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
-use tautline_workbench::views::robot_3d::scene::{Scene, Subject, Wheel};
+use tautline_workbench::views::robot_3d::scene::{Scene, SceneInputs, Wheel};
 
 /// Shape of a solid part, independent of the drawing.
 enum Solid {
@@ -72,7 +72,7 @@ fn the_eye_passes_through_nothing_in_500_zooms() {
     for number in 0..500 {
         let name = presets::NAMES[number % presets::NAMES.len()];
         let robot = presets::find(name).expect("a preset").robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let solids = solids(&scene);
         let options = Options::default();
         let drawing = Drawing::new(&scene, &options, Selection::default(), Theme::Dark);

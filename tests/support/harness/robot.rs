@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tautline_workbench::shell::{App, State};
+use tautline_workbench::shell::{App, AppState};
 
 use super::{PATIENCE, press};
 
@@ -12,7 +12,7 @@ use super::{PATIENCE, press};
 ///
 /// # Panics
 /// If that does not happen.
-pub fn wait(harness: &mut Harness<'_, App>, what: &str, reached: impl Fn(&State) -> bool) {
+pub fn wait(harness: &mut Harness<'_, App>, what: &str, reached: impl Fn(&AppState) -> bool) {
     let start = Instant::now();
     while !reached(&harness.state().state) {
         assert!(

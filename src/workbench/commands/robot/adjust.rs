@@ -1,4 +1,4 @@
-//! What is written to the controller, and how exactly the robot moves before and after.
+//! Adjustment of the controller, and verification of the robot before and after it.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::clock;
 use tautline_workflow::wording::sentence;
 
-/// Points of the circle and of the line.
+/// Number of points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
 
 pub(super) fn write(model: &mut Model) {
@@ -50,7 +50,7 @@ pub(super) fn confirm_write(model: &mut Model, is_confirmed: bool) {
     if !is_confirmed {
         return;
     }
-    // It is another one after any change.
+    // The review is a new object after any change.
     if !Arc::ptr_eq(&draft.review, &model.review()) {
         let text = "Nothing was written: model, session or controller changed while the values were shown.";
         return model.messages.failure(Cause::Adjustment, text);
@@ -64,7 +64,7 @@ pub(super) fn confirm_write(model: &mut Model, is_confirmed: bool) {
     give(model, draft.review.values_to_write(), Purpose::Adjust);
 }
 
-/// The robot is accepted in the name of the operator who wrote the values.
+/// Accepts the robot in the name of the operator who wrote the values.
 pub(super) fn accept(model: &mut Model) {
     let operator = model.preferences.operator.clone();
     let Some(open) = &mut model.open else {
@@ -110,12 +110,12 @@ pub(super) fn give(model: &mut Model, values: Vec<(String, f64)>, purpose: Purpo
     model.autosave.tell();
 }
 
-/// The record of an attempt is on disk.
+/// Writes the values: the record of the attempt is on disk.
 pub fn recorded(model: &mut Model) {
     model.link.write();
 }
 
-/// The record of an attempt cannot be kept: nothing is written.
+/// Cancels the write: the record of the attempt could not be stored.
 pub(super) fn not_recorded(model: &mut Model) {
     if model.link.to_write.take().is_some() {
         model.link.writing = false;
@@ -150,7 +150,7 @@ pub(super) fn written(
     }
 }
 
-/// Has an interrupted adjustment settled: at once where all values are old or all are new, else when the controller is
+/// Settles an interrupted adjustment: at once if all values are old or all are new, otherwise when the controller is
 /// armed.
 pub(super) fn settle(model: &Model) {
     let open = model.open.as_ref().map(|open| open.session());
@@ -185,7 +185,7 @@ pub(super) fn settled(
     }
 }
 
-/// Records the attempt.
+/// Records the outcome of an attempt.
 fn conclude(model: &mut Model, outcome: Outcome, text: &str, read_back: Option<&[NamedValue]>) {
     model.messages.resolve(Cause::Adjustment);
     let holds = held(model);
@@ -200,7 +200,7 @@ fn conclude(model: &mut Model, outcome: Outcome, text: &str, read_back: Option<&
     }
 }
 
-/// Values of the session's simulated controller, kept for the next connection.
+/// Values of the session's simulated controller, stored for the next connection.
 fn held(model: &Model) -> Option<Vec<NamedValue>> {
     let parameters = &model.link.parameters;
     (model.is_true_to_session() && !parameters.is_empty()).then(|| adjusting::held(parameters))
@@ -219,7 +219,7 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
     let robot = &open.session().robot;
     let workspace = connected.rig.workspace();
     let mut targets = cube_poses(robot, workspace);
-    // Nobody types the poses of two paths.
+    // The poses of two paths would be too many to type.
     if connected.rig.has_instrument() {
         targets.extend(circle(robot, workspace, POINTS.0));
         targets.extend(line(robot, workspace, POINTS.1));
@@ -267,7 +267,7 @@ pub(super) fn verified(
     }
 }
 
-/// Keeps what a verification measured before it ended early.
+/// Stores the rows of a verification that ended early.
 fn keep_stopped(model: &mut Model, stage: Stage, rows: Vec<CheckRow>, reason: String) {
     let has_instrument = |c: &Connected| c.rig.has_instrument();
     let options = match model.link.connected.as_ref().is_some_and(has_instrument) {

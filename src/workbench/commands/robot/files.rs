@@ -59,7 +59,7 @@ pub(super) fn ask_firmware(model: &mut Model) {
     pick(model, request, RobotCommand::Firmware);
 }
 
-/// Takes the identified values into the text of a file, which stays as it is.
+/// Replaces the values in the text of a file; the file itself stays unchanged.
 pub(super) fn correct(model: &mut Model, path: &Path) {
     let open = model.open.as_ref().filter(|open| open.fit_is_current());
     let Some((inputs, fit)) = open.and_then(|open| Some((open.inputs(), Arc::clone(open.fit()?))))

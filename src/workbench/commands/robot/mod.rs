@@ -1,4 +1,4 @@
-//! Phases 3 and 5: poses to measure, the measuring run, what is written to the controller.
+//! Phases 3 and 5: planned poses, measuring run, adjustment of the controller.
 
 mod adjust;
 mod files;
@@ -65,7 +65,7 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
     }
 }
 
-/// Connects to the controller of the session's settings; `arms` arms it if it is simulated.
+/// Connects to the controller of the session; `arms` also arms a simulated one.
 fn connect(model: &mut Model, arms: bool) {
     let Some(open) = &model.open else {
         return;
@@ -84,7 +84,7 @@ fn connect(model: &mut Model, arms: bool) {
     model.messages.resolve(Cause::Connection);
 }
 
-/// Takes an event of the controller's thread.
+/// Handles an event of the controller's thread.
 pub fn receive(model: &mut Model, event: DriverEvent) {
     match event {
         DriverEvent::Connected {
@@ -96,7 +96,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
         } => {
             model.link.connecting = false;
             model.messages.resolve(Cause::Connection);
-            // The connection dialog has served its purpose.
+            // Closes the connection dialog.
             model.request(UiRequest::Connection(ConnectionRequest::Connected));
             model.messages.info(format!("Connected: {identity}."));
             model.link.identity = identity;
@@ -144,7 +144,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
     }
 }
 
-/// Takes the values that were read after writing, if they could be read; they confirm the adjustment.
+/// Stores the values read back after writing, if any; they confirm the adjustment.
 fn take_read_back(model: &mut Model, holds: Option<Vec<ParameterInfo>>) -> Option<Vec<NamedValue>> {
     let holds = holds?;
     let read_back = held(&holds);
@@ -162,7 +162,7 @@ fn refused(model: &mut Model, text: &str) {
     model.messages.failure(Cause::Connection, text);
 }
 
-/// Asks whether the server is trusted, in the connection dialog.
+/// Asks in the connection dialog whether the server is trusted.
 fn untrusted(model: &mut Model, server: Box<UntrustedServer>) {
     let text = full_sentence(&server.to_string());
     if std::mem::take(&mut model.link.connecting) {
@@ -180,7 +180,7 @@ fn lost(model: &mut Model, why: &str) {
     model.messages.failure(Cause::Connection, text);
 }
 
-/// After a reconnection the controller may have other values.
+/// Compares the values of the controller after a reconnection.
 fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
     let before = &model.link.parameters;
     let is_other = |now: &&ParameterInfo| {
@@ -219,8 +219,8 @@ fn disconnected(model: &mut Model, why: Option<String>) {
     }
 }
 
-/// What has to be so before every frame: a connection ends with its session, what is expected is of the present plan, a run
-/// goes to the pose that was decided on, and the robot is drawn where it is.
+/// Updates before every frame: ends the connection of another session, checks the prediction of the plan, sends the run
+/// to the chosen pose, and moves the robot in the views.
 pub fn follow(model: &mut Model) {
     let session_id = model.open.as_ref().map(OpenSession::id);
     let connected = model.link.connected.as_ref();

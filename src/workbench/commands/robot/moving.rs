@@ -1,4 +1,4 @@
-//! What every command that moves the robot does first.
+//! Common steps of all commands that move the robot.
 
 use tautline_core::robot::Robot;
 use tautline_workflow::controllers::RobotKind;
@@ -6,7 +6,7 @@ use tautline_workflow::controllers::RobotKind;
 use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
 
-/// What readings are compared with: the identified model where it is up to date, else the description.
+/// Model that predicts the readings: the identified one if it is current, otherwise the description.
 pub(super) fn reference(open: &OpenSession) -> Robot {
     match open.fit().filter(|_| open.fit_is_current()) {
         Some(fit) => fit.model.clone(),
@@ -14,7 +14,7 @@ pub(super) fn reference(open: &OpenSession) -> Robot {
     }
 }
 
-/// Shows the robot and its readings, and keeps in the session that they are simulated, if they are.
+/// Shows the robot and its readings; records in the session if they are simulated.
 pub(super) fn watch(model: &mut Model) {
     let connected = model.link.connected.as_ref();
     let is_simulated = connected.is_some_and(|one| one.rig.kind == RobotKind::OfDescription);
@@ -25,7 +25,7 @@ pub(super) fn watch(model: &mut Model) {
     model.request(UiRequest::ShowScope);
 }
 
-/// Whether nothing may move or be written because an adjustment is still to be settled; the operator is told so.
+/// Whether motion and writing are locked by an interrupted adjustment; reports it to the operator.
 pub(super) fn refuses(model: &mut Model) -> bool {
     let unsettled = model.unsettled();
     if let Some(text) = &unsettled {

@@ -1,4 +1,4 @@
-//! Poses to measure.
+//! Planning of poses.
 
 use tautline_core::estimation::Control;
 use tautline_core::planning::PlanProgress;
@@ -35,7 +35,7 @@ pub(super) fn start(model: &mut Model, poses: usize) {
     });
 }
 
-/// Computes what to expect of the plan that the session has.
+/// Predicts the accuracy of the session's plan.
 pub(super) fn expect_stored(model: &mut Model) {
     let Some(open) = &model.open else {
         return;
@@ -95,7 +95,7 @@ pub fn planned(model: &mut Model, outcome: PlanOutcome) {
         model.messages.failure(Cause::Planning, text);
         return;
     }
-    // What was measured stays in the plan, so that the plan remains the list of all poses.
+    // Measured poses stay in the plan, so that it remains the list of all poses.
     let measured = open.session().measurements.labels.clone();
     let mut plan: Vec<PlannedPose> = open.session().plan.clone();
     plan.retain(|pose| measured.contains(&pose.label));

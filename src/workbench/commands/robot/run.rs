@@ -1,4 +1,4 @@
-//! The measuring run: a pose is kept on disk before it is in the session, and in the session before the next one begins.
+//! Measuring run: a pose is on disk before it is in the session, and in the session before the next one begins.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::adjust::not_recorded;
 use super::moving::{reference, refuses, watch};
 use super::until;
 use crate::model::Model;
-use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
+use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, PendingPose, RunLog};
 use tautline_workflow::clock;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::planning::poses_in_words;
@@ -116,7 +116,7 @@ pub(super) fn receive(model: &mut Model, event: DriverEvent) {
     }
 }
 
-/// Keeps what the controller holds before a run moves, or goes on after its connection was lost.
+/// Records the controller values before a run moves, or continues after a lost connection.
 pub(super) fn values_at_start(model: &mut Model, values: &[ParameterInfo]) {
     let mut changed = None;
     let read = ValuesRead {
@@ -130,7 +130,7 @@ pub(super) fn values_at_start(model: &mut Model, values: &[ParameterInfo]) {
     model.autosave.follow(model.open.as_ref());
 }
 
-/// Compares what the controller holds with what it held when the last run began.
+/// Compares the controller values with those at the start of the last run.
 pub(super) fn compare(model: &mut Model, values: &[ParameterInfo]) {
     let mut changed = None;
     let pending = model.link.pending.as_ref();
@@ -192,7 +192,7 @@ fn log(model: &mut Model, text: String) {
     }
 }
 
-/// Hands a measured pose to the autosave.
+/// Sends a measured pose to the autosave.
 fn measured(model: &mut Model, pose: MeasuredPose) {
     let Some(open) = &mut model.open else {
         return;
@@ -203,7 +203,7 @@ fn measured(model: &mut Model, pose: MeasuredPose) {
         true => pose.repeated_as(session.next_label()),
         false => pose,
     };
-    // Only what is unsaved is kept, and what was measured is so.
+    // The autosave keeps only unsaved sessions, so the session has to be unsaved.
     if !open.is_unsaved() {
         open.log(
             LogPhase::Poses,
@@ -223,16 +223,16 @@ fn measured(model: &mut Model, pose: MeasuredPose) {
     }
     model.autosave.follow(model.open.as_ref());
     model.autosave.measured(pose.clone());
-    model.link.pending = Some(Pending {
+    model.link.pending = Some(PendingPose {
         label,
         pose,
         failed: false,
     });
 }
 
-/// Takes a pose that is on disk into the session and lets the run continue.
+/// Adds a pose that is on disk to the session and lets the run continue.
 pub fn autosaved(model: &mut Model, label: i64) {
-    let is_it = |pending: &mut Pending| pending.pose.label() == label;
+    let is_it = |pending: &mut PendingPose| pending.pose.label() == label;
     let Some(pending) = model.link.pending.take_if(is_it) else {
         return;
     };
@@ -256,7 +256,7 @@ pub fn autosaved(model: &mut Model, label: i64) {
     }
 }
 
-/// A pose could not be saved: the run waits with it.
+/// Keeps the run waiting with a pose that could not be stored.
 pub fn autosave_failed(model: &mut Model) {
     not_recorded(model);
     if let Some(pending) = &mut model.link.pending {
@@ -271,7 +271,7 @@ pub(super) fn retry_save(model: &mut Model) {
     }
 }
 
-/// Present pose of the platform while the views follow it.
+/// Updates the live platform while the views follow it.
 pub(super) fn follow_platform(model: &mut Model) {
     if !model.link.is_connected() {
         return;

@@ -1,4 +1,4 @@
-//! Measuring until goals are reached: every pose is decided on by what the poses before have told.
+//! Measuring until goals are reached: each pose is chosen from the results of those before.
 
 use tautline_session::Phase as LogPhase;
 use tautline_workflow::planning::missing_labels;
@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::model::link::DriverCommand;
 use crate::model::messages::Cause;
 
-/// Starts a run, or continues with the poses that are measured.
+/// Starts a run, or continues after the measured poses.
 pub(super) fn start(model: &mut Model) {
     let context = model.context.clone();
     if let Some(why) = model.undecidable() {
@@ -52,7 +52,7 @@ pub(super) fn start(model: &mut Model) {
     watch(model);
 }
 
-/// Goes to the pose that was decided on, or ends the run.
+/// Sends the run to the chosen pose, or ends it.
 pub(super) fn follow_decision(model: &mut Model) {
     let Some(run) = model.link.run.as_mut().filter(|run| !run.has_ended()) else {
         return;
@@ -73,7 +73,7 @@ pub(super) fn follow_decision(model: &mut Model) {
         return model.link.send(DriverCommand::Close);
     };
     open.log(LogPhase::Poses, chosen.log_text());
-    // The plan has the pose before its readings are kept.
+    // The pose must be in the stored plan before its readings are.
     model.autosave.follow(model.open.as_ref());
     let add = DriverCommand::Add(chosen.label, chosen.pose);
     model.link.send(add);

@@ -2,25 +2,25 @@
 
 use std::path::PathBuf;
 
-use crate::model::comparison::{Compared, Side, Source};
+use crate::model::comparison::{Compared, SessionSource, Side};
 
 pub const COMPARING: &str = "Comparing";
 
 #[derive(Debug, Clone)]
 pub enum CompareCommand {
-    /// Goes to the comparison; the open session is one of the two unless others are chosen.
+    /// Shows the comparison, by default with the open session as one of the two.
     Show,
-    /// Asks for a file.
+    /// Asks for a session file.
     Ask(Side),
-    /// Takes a session.
-    Choose(Side, Source),
-    /// Takes a file where a session is missing, else as the second.
+    /// Chooses a session.
+    Choose(Side, SessionSource),
+    /// Takes a dropped file: as the missing session, otherwise as the second one.
     Drop(PathBuf),
-    /// Chooses again.
+    /// Removes the choice.
     Clear(Side),
     Swap,
     Again,
-    /// Asks for the readings of a simulator.
+    /// Asks for a file with the readings of a simulator.
     AskSimulator,
     /// Compares the readings of a simulator with those of the session.
     Simulator(PathBuf),
@@ -28,8 +28,8 @@ pub enum CompareCommand {
 
 #[derive(Debug)]
 pub struct CompareOutcome {
-    /// Counts comparisons: an older one that comes late is dropped.
+    /// Number of the comparison; the result of an older one is dropped.
     pub number: u64,
-    /// What differs, or one sentence.
+    /// Comparison, or an error message.
     pub result: Result<Box<Compared>, String>,
 }

@@ -13,63 +13,64 @@ use tautline_workflow::templates::Template;
 pub enum FileCommand {
     /// Opens a session with a simulated robot.
     TryDemo,
-    /// Begins a session with a new robot, which is then described.
+    /// Begins a session with a new robot from a template and shows its description.
     New(Template),
     /// Begins a session with a robot that the operator described.
     NewRobot(Box<Robot>),
     AskOpen,
     /// Opens a session, begins one with a robot or a dataset folder, or imports a table.
     Open(PathBuf),
-    /// Saves; asks for a place if the session has none.
+    /// Saves; asks for a path if the session has none.
     Save,
-    /// Asks for a place to save at.
+    /// Asks for a path to save to.
     AskSaveAs,
-    /// Picks the place of a file that is to be saved.
+    /// Asks for the path in the file chooser.
     BrowseSave,
-    /// Puts a place that was picked into the dialog that saves.
+    /// Puts the chosen path into the save dialog.
     SetSavePath(PathBuf),
-    /// Saves at a place.
+    /// Saves to a path.
     SaveAs(PathBuf),
     /// Begins another series of the open session: the same robot, plan and settings, nothing measured. The model of the
     /// series lacks these effects, which were repaired.
     NewSeries(Vec<EffectSetting>),
     Close,
     Quit,
-    /// Answers what to do about unsaved changes and an armed robot.
+    /// Answers the question about unsaved changes and an armed robot.
     Answer(Answer),
-    /// Takes over what is open in another window, or looks at it only; `None` does neither.
+    /// Takes over a session that is open in another window (`true`), opens it read-only (`false`) or not at all
+    /// (`None`).
     TakeOver(Option<bool>),
-    /// Opens an unsaved session that was found, by its place in the list.
+    /// Opens a recoverable session, by its index in the list.
     Recover(usize),
-    /// Discards an unsaved session that was found, by its place in the list.
+    /// Discards a recoverable session, by its index in the list.
     Discard(usize),
-    /// Takes a session from the list of recent ones.
+    /// Removes a session from the list of recent ones.
     Forget(PathBuf),
 }
 
-/// What takes the open session or its controller away, and so may have to wait for an answer.
+/// Action that closes the open session or its connection, perhaps after a question.
 #[derive(Debug)]
 pub enum Leaving {
     Open(Box<Opening>),
     Close,
     Quit,
-    /// A command that ends the connection, perhaps for another one.
+    /// Command that ends the connection, perhaps to begin another one.
     Robot(RobotCommand),
 }
 
 impl Leaving {
-    /// Whether the open session must be in a file before.
+    /// Whether the open session must be saved first.
     pub(crate) fn keeps_session(&self) -> bool {
         matches!(self, Self::Open(opening) if opening.origin == Origin::Series)
     }
 
-    /// Whether the session is left with its connection.
+    /// Whether the session is closed, not only its connection.
     pub(crate) fn ends_session(&self) -> bool {
         !matches!(self, Self::Robot(_))
     }
 }
 
-/// A session that is to be opened.
+/// Session to be opened.
 #[derive(Debug)]
 pub struct Opening {
     pub session: Session,
@@ -77,45 +78,45 @@ pub struct Opening {
     pub origin: Origin,
 }
 
-/// Where a session that is opened comes from.
+/// Origin of a session that is opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// A file, or something else that is complete.
+    /// Complete session, from a file for example.
     Complete,
-    /// Changes that were recovered and are in no file yet.
+    /// Recovered changes that are in no file yet.
     Recovered,
-    /// A new robot, which has to be described.
+    /// New robot that has to be described.
     NewRobot,
-    /// Another series of the open session, which is kept and so has to be saved.
+    /// New series of the open session, which must be saved first.
     Series,
 }
 
-/// What a task with files came to.
+/// Outcome of a task with files.
 #[derive(Debug)]
 pub enum FileOutcome {
     Read {
         path: PathBuf,
-        /// What it is, or one sentence; `None` where reading was stopped.
+        /// Content of the file, or an error message; `None` if reading was cancelled.
         result: Result<Option<Loaded<Opened>>, String>,
     },
-    /// The demonstration is ready, or one sentence.
+    /// Session of the demonstration, or an error message.
     Demo(Result<Box<Session>, String>),
-    /// The unsaved sessions of programs that ended without saving, or one sentence.
+    /// Unsaved sessions of programs that ended without saving, or an error message.
     UnsavedSessions(Result<Vec<UnsavedSession>, String>),
     Saved {
         path: PathBuf,
         /// Id of the session and the revision that was written.
         state: (u64, u64),
-        /// Nothing, or one sentence.
+        /// Nothing, or an error message.
         result: Result<(), String>,
     },
 }
 
-/// What to do about unsaved changes and an armed robot.
+/// Answer to the question about unsaved changes and an armed robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
     Save,
-    /// Go on, without unsaved changes.
+    /// Continue without the unsaved changes.
     Discard,
     Cancel,
 }

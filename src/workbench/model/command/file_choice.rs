@@ -1,36 +1,36 @@
-//! Which file or folder the operator is asked for, and what is done with it.
+//! Requests for a file or folder, with the command that uses it.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::Command;
 
-/// Name of the window of the program that asks for a file.
+/// Name of the program's own file chooser.
 pub(crate) const WINDOW: &str = "file chooser";
 
-/// What is chosen.
+/// Kind of path to choose.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Wanted {
+pub(crate) enum PathKind {
     File,
     Folder,
     NewFile,
 }
 
-/// Which file or folder is asked for.
+/// Request for a file or folder.
 #[derive(Debug)]
 pub(crate) struct FileRequest {
     pub(crate) title: &'static str,
-    pub(crate) wanted: Wanted,
-    /// Endings of the files that are shown, if not all.
+    pub(crate) wanted: PathKind,
+    /// File extensions that are shown; empty for all.
     pub(crate) endings: &'static [&'static str],
-    /// Folder that is shown first.
+    /// Initial folder.
     pub(crate) folder: PathBuf,
-    /// Name that is suggested for a new file.
+    /// Suggested name of a new file.
     pub(crate) name: String,
 }
 
 impl FileRequest {
-    fn new(title: &'static str, wanted: Wanted) -> Self {
+    fn new(title: &'static str, wanted: PathKind) -> Self {
         Self {
             title,
             wanted,
@@ -40,25 +40,25 @@ impl FileRequest {
         }
     }
 
-    /// Asks for a file of one of these endings; of any, if there are none.
+    /// Request for a file with one of these extensions; any if empty.
     pub(crate) fn file(title: &'static str, endings: &'static [&'static str]) -> Self {
         Self {
             endings,
-            ..Self::new(title, Wanted::File)
+            ..Self::new(title, PathKind::File)
         }
     }
 
     pub(crate) fn folder(title: &'static str) -> Self {
-        Self::new(title, Wanted::Folder)
+        Self::new(title, PathKind::Folder)
     }
 
-    /// Asks where to save; this path is suggested.
+    /// Request for a path to save to, with a suggestion.
     pub(crate) fn new_file(path: &Path) -> Self {
         let name = path.file_name().unwrap_or_default();
         Self {
             folder: path.parent().map_or_else(PathBuf::new, Path::to_owned),
             name: name.to_string_lossy().into_owned(),
-            ..Self::new("Save as", Wanted::NewFile)
+            ..Self::new("Save as", PathKind::NewFile)
         }
     }
 
@@ -67,13 +67,13 @@ impl FileRequest {
         endings.is_empty() || ending.is_some_and(|own| endings.iter().any(|ending| own == *ending))
     }
 
-    /// The window of the program that asks for it, where the desktop has no dialog.
+    /// The program's own file chooser, for desktops without one.
     fn window(&self) -> egui_file::FileDialog {
         let endings = self.endings;
         let window = match self.wanted {
-            Wanted::File => egui_file::FileDialog::open_file(),
-            Wanted::Folder => egui_file::FileDialog::select_folder(),
-            Wanted::NewFile => egui_file::FileDialog::save_file(),
+            PathKind::File => egui_file::FileDialog::open_file(),
+            PathKind::Folder => egui_file::FileDialog::select_folder(),
+            PathKind::NewFile => egui_file::FileDialog::save_file(),
         };
         let mut window = window
             .id(egui::Id::unique(WINDOW))
@@ -91,7 +91,7 @@ impl FileRequest {
     }
 }
 
-/// A request with the command for the file that is chosen.
+/// Request with the command for the chosen file.
 pub struct FileChoice {
     pub(crate) request: FileRequest,
     pub(crate) command: Box<dyn FnOnce(PathBuf) -> Command + Send>,
@@ -103,7 +103,7 @@ impl fmt::Debug for FileChoice {
     }
 }
 
-/// A window that asks for a file.
+/// The program's own file chooser while it is open.
 #[derive(Debug)]
 pub(crate) struct FileChooser {
     pub(crate) window: egui_file::FileDialog,

@@ -15,7 +15,7 @@ pub const DRAWING: &str = "Simulating effects";
 
 #[derive(Debug, Clone)]
 pub enum HypothesisCommand {
-    /// Shows the editor, with a new hypothesis if there is none yet.
+    /// Shows the editor, with a new hypothesis if there is none.
     Show,
     /// Begins a new hypothesis.
     New,
@@ -25,20 +25,20 @@ pub enum HypothesisCommand {
     AskOpen,
     Open(PathBuf),
     SetText(String),
-    /// Computes what it does to the residuals.
+    /// Computes the effect of the hypothesis on the residuals.
     Try,
     /// Shows one of the targets.
     ChoosePlacement(usize),
-    /// Puts it into the session.
+    /// Adds the hypothesis to the session.
     SaveInSession,
-    /// Takes a hypothesis out of the session, by its identifier.
+    /// Removes a hypothesis, by its identifier, from the session.
     Remove(String),
-    /// Asks for the file to save it in.
+    /// Asks for a file to save the hypothesis to.
     AskSave,
     Save(PathBuf),
-    /// Puts it into the session and asks the model doctor.
+    /// Adds the hypothesis to the session and runs the model doctor.
     AskDoctor,
-    /// Answers what becomes of an unsaved text.
+    /// Answers the question about an unsaved text.
     Answer(Answer),
     /// Simulates all effects on the robot.
     DrawGallery,
@@ -49,28 +49,28 @@ pub enum HypothesisCommand {
 
 #[derive(Debug)]
 pub enum HypothesisOutcome {
-    /// What a text does to the residuals of inputs of this number; `None` if it was stopped.
+    /// Effect of a text on the residuals of the inputs of this number; `None` if it was cancelled.
     Tried {
         of: (String, Option<u64>),
-        result: Result<Option<Previewed>, String>,
+        result: Result<Option<PreviewResult>, String>,
     },
-    /// The text of a file, or one sentence.
+    /// Text of a file, or an error message.
     Read(PathBuf, Result<String, String>),
-    /// A text was written to a file, or one sentence.
+    /// Result of writing a text to a file.
     Saved {
         path: PathBuf,
         text: String,
         result: Result<(), String>,
     },
-    /// The gallery of a robot, or one sentence; `None` if it was stopped.
+    /// Gallery of a robot, or an error message; `None` if it was cancelled.
     Gallery(Box<Robot>, Result<Option<Box<Gallery>>, String>),
 }
 
-/// What a hypothesis does to the residuals.
+/// Effect of a hypothesis on the residuals.
 #[derive(Debug, Clone)]
-pub enum Previewed {
+pub enum PreviewResult {
     /// Fitted to the readings of the session.
     Measured(Trial),
-    /// Simulated at typical size, where nothing is measured.
+    /// Simulated at typical size, without measurements.
     Simulated(Box<Signature>),
 }

@@ -11,10 +11,10 @@ use tautline_workflow::readiness::CheckItem;
 
 pub const IDENTIFYING: &str = "Identifying";
 
-/// Title of the task that looks for what the model lacks.
+/// Title of the task that diagnoses the model.
 pub const DIAGNOSING: &str = "Looking for what the model lacks";
 
-/// Title of the task that looks for patterns of what is unexplained.
+/// Title of the task that looks for patterns in the unexplained residuals.
 pub const FORMULAS: &str = "Trying patterns";
 
 /// Title of the task that checks the readings before identification.
@@ -25,57 +25,57 @@ pub enum IdentificationCommand {
     /// Checks whether the readings are fit for identification.
     Check,
     Identify,
-    /// Asks what the model gets wrong.
+    /// Diagnoses the model.
     Diagnose,
-    /// Asks what errors look like that no cause explains.
+    /// Looks for patterns in errors that no cause explains.
     FindFormulas,
-    /// Ends what is being computed.
+    /// Stops the running computation.
     Stop,
 }
 
 /// Outcome of an identification; `inputs` is the number of the inputs it was computed from.
 #[derive(Debug)]
 pub enum IdentificationOutcome {
-    /// Of the check before it.
+    /// Check of the readings before the identification.
     Checked {
         inputs: u64,
         readiness: Box<Readiness>,
     },
     Identified {
         inputs: u64,
-        /// The record for the session; none where the session has it already.
+        /// Record for the session; `None` if the session has it already.
         record: Option<Box<ResultRecord>>,
-        /// The fit, or one sentence; `None` if it was stopped.
+        /// Identification, or an error message; `None` if it was cancelled.
         result: Result<Option<Box<Identification>>, String>,
     },
     Diagnosed {
         inputs: u64,
-        /// The diagnosis, or one sentence; `None` if it was stopped.
+        /// Diagnosis, or an error message; `None` if it was cancelled.
         result: Result<Option<Box<DiagnosisResult>>, String>,
     },
-    /// Patterns of what is unexplained.
+    /// Patterns in the unexplained residuals.
     Formulas {
         inputs: u64,
-        /// The patterns, or one sentence; `None` if it was stopped.
+        /// Patterns, or an error message; `None` if it was cancelled.
         result: Result<Option<Vec<PatternDocument>>, String>,
     },
 }
 
-/// The check of the readings, as the panel shows it.
+/// Result of the check of the readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Readiness {
-    /// The parts that need a fit.
+    /// Checks that need an identification.
     pub checks: Vec<CheckItem>,
-    /// Which faults the poses show.
+    /// Faults that these poses can detect and isolate.
     pub faults: Option<IsolabilityTable>,
 }
 
-/// A diagnosis with what the panel shows of it.
+/// Diagnosis with its plots.
 #[derive(Debug)]
 pub struct DiagnosisResult {
     pub(crate) result: PlottedDiagnosis,
-    /// Effects of the model that was diagnosed.
+    /// Effects of the diagnosed model.
     pub(crate) effects: Vec<EffectSetting>,
-    /// The record for the session; none where the session has it already.
+    /// Record for the session; `None` if the session has it already.
     pub(crate) record: Option<ResultRecord>,
 }

@@ -7,10 +7,10 @@ use tautline_workflow::precalibration::{Table, TableRows};
 
 #[derive(Debug, Clone)]
 pub enum ImportCommand {
-    /// Asks for its file.
+    /// Asks for the file of a table.
     Ask(Table),
     Read(Table, PathBuf),
-    /// Goes to where it is shown.
+    /// Shows the table in its phase.
     Show(Table),
 }
 
@@ -18,6 +18,6 @@ pub enum ImportCommand {
 pub struct ImportOutcome {
     /// Its file.
     pub path: PathBuf,
-    /// Its rows, or one sentence.
+    /// Rows of the table, or an error message.
     pub result: Result<Loaded<TableRows>, String>,
 }

@@ -1,5 +1,5 @@
-//! Everything the operator can make the program do, in one place: menus, shortcuts, the command palette and buttons
-//! all send these, and each kind has one handler in `commands/`.
+//! All actions of the operator: menus, shortcuts, the command palette and buttons send these commands, and each kind
+//! has one handler in `commands/`.
 
 mod compare;
 mod file;
@@ -18,7 +18,7 @@ mod view;
 
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
 pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening, Origin};
-pub use hypothesis::{DRAWING, HypothesisCommand, HypothesisOutcome, Previewed, TRYING};
+pub use hypothesis::{DRAWING, HypothesisCommand, HypothesisOutcome, PreviewResult, TRYING};
 pub use identification::{
     DIAGNOSING, DiagnosisResult, FORMULAS, IDENTIFYING, IdentificationCommand,
     IdentificationOutcome, READINESS, Readiness,
@@ -66,16 +66,16 @@ pub enum Command {
     Record(RecordCommand),
     /// Hypotheses of the user, and the gallery of effects.
     Hypothesis(HypothesisCommand),
-    /// Simulating what the expected covariance answers.
+    /// Study of a question of *Which sensor?*.
     Study(StudyCommand),
-    /// Asks the tasks of this title to end.
+    /// Cancels all tasks of this title.
     CancelTask(&'static str),
-    /// Shows an error in a field.
+    /// Shows an error of an input field.
     Refuse(String),
 }
 
 impl Command {
-    /// Whether it changes the open session or works with its robot, other than stopping it.
+    /// Whether the command changes the open session or uses its robot, other than to stop it.
     pub(crate) fn acts_on_session(&self) -> bool {
         match self {
             Self::Edit(_) | Self::Undo | Self::Redo | Self::Import(_) | Self::Recording(_) => true,
@@ -87,35 +87,35 @@ impl Command {
 
 #[derive(Debug)]
 pub enum Outcome {
-    /// Of a task with files.
+    /// Task with files.
     File(FileOutcome),
-    /// Of reading a table.
+    /// Reading of a table.
     Import(ImportOutcome),
-    /// Of files of other programs.
+    /// Files of other programs.
     Recording(RecordingOutcome),
-    /// Of identification or diagnosis.
+    /// Identification or diagnosis.
     Identification(IdentificationOutcome),
-    /// Of computing what plots show.
+    /// Computations for plots.
     Prepared(Box<Preparation>),
-    /// Of planning poses.
+    /// Planning of poses.
     Plan(PlanOutcome),
-    /// Of taking identified values into a file.
+    /// Correction of a firmware or simulator file.
     Corrected(FileCorrection),
-    /// Of looking symbols up or reading their names.
+    /// Check of symbols, or import of their names.
     Setup(SetupOutcome),
-    /// Of comparing two sessions.
+    /// Comparison of two sessions.
     Compare(CompareOutcome),
-    /// Of comparing a simulator with the machine.
+    /// Comparison of a simulator with the machine.
     Simulator(SimulatorComparison),
-    /// Of reading the record of a robot.
+    /// Reading of a robot's record.
     Record(RecordOutcome),
-    /// Of hypotheses and the gallery.
+    /// Hypotheses and the gallery.
     Hypothesis(HypothesisOutcome),
-    /// What to do with the file that was picked in a dialog of the desktop; `None` if that was cancelled.
+    /// Command for the file chosen in a dialog of the desktop; `None` if the dialog was cancelled.
     Picked(Option<Box<Command>>),
-    /// The desktop has no dialog for a file that is asked for.
+    /// The desktop has no file dialog.
     NoFileDialog(FileChoice),
-    /// A file was written, perhaps with a warning; or one sentence.
+    /// A file was written, perhaps with a warning; or an error message.
     Written(PathBuf, Result<Option<String>, String>),
     Panicked {
         task: String,
@@ -166,7 +166,7 @@ impl From<LinkRequest> for Command {
     }
 }
 
-/// Commands that were given in this frame; they are carried out after it was drawn.
+/// Commands given in this frame, carried out after it is drawn.
 #[derive(Debug, Default)]
 pub struct Outbox {
     commands: Vec<Command>,

@@ -10,36 +10,35 @@ use crate::model::Selection;
 
 #[derive(Debug, Clone)]
 pub enum PlotCommand {
-    /// Computes variables, and the residuals before and after what a diagnosis found.
+    /// Computes the variables, and the residuals before and after the findings of a diagnosis.
     Prepare,
-    /// Asks where to save a plot; a name of the file is suggested.
+    /// Asks for a path to save a plot to; the text is the suggested file name.
     AskSave(String, PlotFile),
-    /// Saves a plot at a place.
+    /// Saves a plot to a path.
     Save(PathBuf, PlotFile),
 }
 
 #[derive(Debug, Clone)]
 pub enum PlotFile {
-    /// A table or a drawing.
+    /// Table or vector drawing.
     Text(String),
-    /// A picture, which is drawn when it is saved.
+    /// Picture, rendered when it is saved.
     Picture(PlotPicture),
-    /// Part of the window as it was drawn.
+    /// Part of the window.
     Screenshot(Arc<ColorImage>),
 }
 
-/// A plot that becomes a picture, with the function that draws it.
+/// Plot with the function that renders it as a picture.
 #[derive(Debug, Clone)]
 pub struct PlotPicture {
-    /// What is plotted.
     pub figure: Arc<Figure>,
-    /// Which values are shown.
+    /// Visible range: least and greatest value of each axis.
     pub view: [[f64; 2]; 2],
-    /// What is highlighted.
+    /// Highlighted items.
     pub selection: Selection,
     /// Width over height.
     pub aspect: f32,
-    /// Gives the PNG, or one sentence on why there is none.
+    /// Renders the PNG; or an error message.
     pub render: fn(&Self) -> Result<Vec<u8>, String>,
 }
 
@@ -47,7 +46,7 @@ pub struct PlotPicture {
 pub enum Format {
     Csv,
     Svg,
-    /// A picture of the size of a page.
+    /// Picture with the size of a page.
     Png,
 }
 
@@ -63,7 +62,7 @@ impl Format {
         }
     }
 
-    /// Ending of its files.
+    /// File extension.
     #[must_use]
     pub fn ending(self) -> &'static str {
         match self {

@@ -12,7 +12,7 @@ pub const CHECKING_HEALTH: &str = "Checking the robot";
 
 #[derive(Debug, Clone)]
 pub enum RecordCommand {
-    /// Goes to the record that is open, or to the choice of one.
+    /// Shows the open record, or the choice of one.
     Show,
     /// Asks for a folder.
     Ask,
@@ -22,31 +22,31 @@ pub enum RecordCommand {
     Close,
     /// Quantity monitored until the next calibration.
     SetTolerance(Tolerance),
-    /// Compares two of its sessions, by their places in the order of time.
+    /// Compares two sessions of the record, by their indices in order of time.
     Compare([usize; 2]),
-    /// Opens a session of it.
+    /// Opens a session of the record.
     OpenSession(usize),
-    /// Checks the second of two of its sessions against the first.
+    /// Checks the second of two sessions of the record against the first.
     Check([usize; 2]),
-    /// Begins a session with the poses of a health check of one of its sessions, or of the open one.
+    /// Begins a session with the poses of a health check of a session of the record, or of the open session.
     PlanCheck(Option<usize>),
-    /// Asks where to save the pulleys of all sessions.
+    /// Asks for a path to save the pulleys of all sessions to.
     AskSaveTable,
 }
 
 #[derive(Debug)]
 pub enum RecordOutcome {
     Read {
-        /// Counts openings: an older one that comes late is dropped.
+        /// Number of the opening; the result of an older one is dropped.
         number: u64,
-        /// The record, or one sentence.
+        /// Record, or an error message.
         result: Result<Box<OpenRecord>, String>,
     },
     Checked {
-        /// Of the record that was open.
+        /// Number of the record.
         number: u64,
         checked: Box<CheckedPair>,
     },
-    /// A session with the poses of a check, or one sentence.
+    /// Session with the poses of a health check, or an error message.
     Planned(Result<Box<Session>, String>),
 }

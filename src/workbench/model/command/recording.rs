@@ -8,53 +8,53 @@ use tautline_session::Loaded;
 
 use crate::model::importing::{ChannelPlace, Cut};
 
-/// Title of reading files of other programs.
+/// Title of the task that reads files of other programs.
 pub const READING: &str = "Reading";
 
 pub const CUTTING: &str = "Cutting into poses";
 
-/// Title of finding clocks.
+/// Title of the task that aligns the clocks.
 pub const ALIGNING: &str = "Aligning the clocks";
 
 #[derive(Debug, Clone)]
 pub enum RecordingCommand {
-    /// Goes to where files are imported.
+    /// Shows the import.
     Show,
-    /// Goes back to the import of the session's poses, to correct its recipe.
+    /// Returns to the import of the session's poses to correct its recipe.
     Correct,
     /// Asks for a file.
     Ask,
-    /// Reads a file or folder as one of another program, whatever it seems to be.
+    /// Reads a file or folder as one of another program, even if it looks like a session.
     Read(PathBuf),
-    /// Takes a source out, by its index.
+    /// Removes a source, by its index.
     Remove(usize),
-    /// Begins with a robot, for files that wait for one.
+    /// Uses a robot for files that were read before there was one.
     UseRobot(Box<Robot>),
-    /// Takes a recipe; the text names the change; the flag is set while a slider is dragged.
+    /// Replaces the recipe; the text names the change, the flag is set while a slider is dragged.
     Change(Box<Recipe>, String, bool),
-    /// Takes up a suggestion, by its index.
+    /// Applies a suggestion, by its index.
     Apply(usize),
-    /// Finds offset and drift of the clocks.
+    /// Estimates offset and drift of the clocks.
     AlignClocks,
     ShowChannel(ChannelPlace),
-    /// Asks for the file of a recipe.
+    /// Asks for a recipe file.
     AskRecipe,
     UseRecipe(PathBuf),
     AskSaveRecipe,
     SaveRecipe(PathBuf),
-    /// Puts the poses into the session, or into a new one where it has poses already.
+    /// Adds the poses to the session, or to a new one if the session has poses already.
     Finish,
-    /// Forgets the files.
+    /// Discards the import.
     Discard,
 }
 
-/// What a task for an import came to.
+/// Outcome of a task of an import.
 #[derive(Debug)]
 pub enum RecordingOutcome {
-    /// Files were read; `None` where that was stopped.
+    /// Files that were read, or an error message; `None` if it was cancelled.
     Read(Result<Option<Loaded<Vec<Source>>>, String>),
     Recipe(PathBuf, Result<Box<Loaded<Recipe>>, String>),
     Cut(Box<Cut>),
-    /// Clocks were found, with the revision of the draft they are of and the recipe that has them; or one sentence.
+    /// Revision of the draft and the recipe with the aligned clocks; or an error message.
     Aligned(u64, Result<(Box<Recipe>, Vec<AlignedClock>), String>),
 }

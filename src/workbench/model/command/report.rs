@@ -11,18 +11,18 @@ use tautline_workflow::report::{ReportChoice, ReportFormat};
 /// Saves the report of the session.
 #[derive(Debug, Clone)]
 pub enum ReportCommand {
-    /// Asks for a place to save at, in a window.
+    /// Opens the dialog that saves the report.
     AskSave(ReportFormat),
-    /// Asks for it with a file dialog.
+    /// Asks for the path in a file dialog.
     Browse(ReportFormat),
-    /// Puts the place that was picked into the dialog.
+    /// Puts the chosen path into the dialog.
     SetPath(PathBuf),
     Cancel,
     /// Saves to a path; its extension is the format.
     Save(PathBuf),
 }
 
-/// A report that is to be saved.
+/// Report to be saved.
 #[derive(Debug, Clone)]
 pub struct ReportDraft {
     pub format: ReportFormat,
@@ -31,14 +31,14 @@ pub struct ReportDraft {
     pub choice: ReportChoice,
     /// Pulleys whose coordinates the picture of the robot shows.
     pub pinned: BTreeSet<usize>,
-    /// What the certificate states beside the results; its instruments are those that are used.
+    /// Statements of the certificate besides the results; `instruments` lists those that can be chosen.
     pub details: CertificateDetails,
     /// Instruments of the workshop and of the session.
     pub instruments: Vec<WorkshopInstrument>,
 }
 
 impl ReportDraft {
-    /// The details with the instruments that are used.
+    /// Details with only the instruments that were used.
     pub fn chosen_details(&self) -> CertificateDetails {
         let used = self.instruments.iter().filter(|one| one.is_used);
         CertificateDetails {
@@ -48,12 +48,12 @@ impl ReportDraft {
     }
 }
 
-/// An instrument that a session can choose.
+/// Instrument that a session can choose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkshopInstrument {
     pub instrument: CalibratedInstrument,
     /// Whether it was used for this session.
     pub is_used: bool,
-    /// Whether its fields are shown.
+    /// Whether its fields are visible.
     pub is_edited: bool,
 }

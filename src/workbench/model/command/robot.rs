@@ -15,35 +15,35 @@ use tautline_workflow::planning::PlanSummary;
 
 pub const PLANNING: &str = "Planning poses";
 
-/// Title of the task that computes what to expect of a plan.
+/// Title of the task that predicts the accuracy of a plan.
 pub const EXPECTING: &str = "Predicting the accuracy of the plan";
 
-/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
+/// Key that stops the robot. It is neither a letter nor a combination, so that it works with any keyboard focus.
 pub(crate) const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
 
 /// Plan, controller and writing.
 #[derive(Debug, Clone)]
 pub enum RobotCommand {
     Plan(usize),
-    /// Computes what to expect of the plan that there is.
+    /// Predicts the accuracy of the present plan.
     Expect,
-    /// Takes a pose from the plan.
+    /// Removes a pose from the plan.
     RemovePlanned(i64),
-    /// Adds the pose that is commanded now to the plan.
+    /// Adds the commanded pose to the plan.
     AddCurrent,
-    /// Opens the connection dialog, or does what it asks for.
+    /// Opens the connection dialog, or carries out its request.
     Setup(Setup),
-    /// Connects to the controller of the session's settings.
+    /// Connects to the controller of the session.
     Connect,
-    /// Connects to the simulated robot of the session and arms it; any other controller is only connected.
+    /// Connects to the simulated robot of the session and arms it; another controller is connected but not armed.
     ConnectAndArm,
-    /// Goes to the thread of the controller as it is.
+    /// Passed on to the thread of the controller.
     Link(LinkRequest),
-    /// Allows motion and writing.
+    /// Enables motion and writing.
     Arm,
-    /// Switches readings on or off while the controller is idle.
+    /// Switches polling of the readings while the controller is idle.
     PollWhenIdle(bool),
-    /// Sets the time lapse of a simulated robot.
+    /// Sets the speed of time of a simulated robot.
     Speed(f64),
     /// Measures the planned poses that are not measured yet.
     Start,
@@ -51,34 +51,34 @@ pub enum RobotCommand {
     Repeat(i64),
     /// Ends the current operation and stops the platform.
     Stop,
-    /// Tries again to save a measured pose that could not be saved.
+    /// Retries to store a measured pose.
     RetrySave,
     /// Measures test poses and paths with the external instrument.
     Verify(Stage),
-    /// Takes the imported check as a run.
+    /// Takes the imported check as a verification run.
     TakeCheck(Stage),
-    /// Asks whether the identified values are to be written to the controller, and who writes them.
+    /// Asks for confirmation before the identified values are written to the controller, and for the operator's name.
     Write,
     WriteValues(Vec<(String, f64)>, Purpose),
-    /// Writes the values of the open question, or does not.
+    /// Answers the question whether to write.
     ConfirmWrite(bool),
     /// Accepts the robot on the result of the last verification.
     Accept,
-    /// Writes the values that were there before the last adjustment.
+    /// Restores the values from before the last adjustment.
     RollBack,
-    /// Writes a file; asks for its place.
+    /// Asks for a path to export to.
     AskExport(Export),
-    /// Writes a file.
+    /// Exports a file.
     Export(Export, PathBuf),
     /// Asks for a file of a firmware or simulator.
     AskFirmware,
-    /// Takes the identified values into the text of such a file.
+    /// Replaces the values in the text of such a file by the identified ones.
     Firmware(PathBuf),
     Reveal,
 }
 
 impl RobotCommand {
-    /// Whether a connection ends with it.
+    /// Whether the command ends a connection.
     pub(crate) fn disconnects(&self) -> bool {
         matches!(
             self,
@@ -87,42 +87,42 @@ impl RobotCommand {
     }
 }
 
-/// The identified values in a file of a firmware or simulator.
+/// Correction of a firmware or simulator file by the identified values.
 #[derive(Debug)]
 pub struct FileCorrection {
-    /// Number of the inputs of the session from which they were identified.
+    /// Number of the session's inputs behind the identified values.
     pub inputs: u64,
     pub file: String,
-    /// The corrected text, or one sentence.
+    /// Corrected text, or an error message.
     pub result: Result<Box<CorrectedFile>, String>,
 }
 
-/// A corrected text.
+/// Corrected text of a firmware or simulator file.
 #[derive(Debug)]
 pub struct CorrectedFile {
     pub written: DialectText,
-    /// The lines that change, to be pasted.
+    /// Changed lines, for pasting.
     pub lines: String,
 }
 
-/// Values that are to be written, while that is to be confirmed.
+/// Values to be written, until they are confirmed.
 #[derive(Debug, Clone, Default)]
 pub struct WriteDraft {
-    /// What is shown and written; nothing if there is another one by then.
+    /// Values that are shown and written; nothing is written if they have changed by then.
     pub review: Arc<Review>,
-    /// Reasons not to write.
+    /// Reasons against writing.
     pub doubts: Vec<Doubt>,
-    /// Operator who writes them.
+    /// Name of the operator.
     pub operator: String,
 }
 
-/// What to expect of planned poses.
+/// Predicted accuracy of planned poses.
 #[derive(Debug)]
 pub struct PlanOutlook {
     pub session_id: u64,
-    /// The poses; none where planning them failed.
+    /// Planned poses, if planning them failed.
     pub plan: Vec<PlannedPose>,
-    /// What to expect of them, or one sentence.
+    /// Prediction, or an error message.
     pub result: Result<PlanSummary, String>,
 }
 
@@ -139,29 +139,29 @@ impl PlanOutlook {
     }
 }
 
-/// What planning came to.
+/// Outcome of planning.
 #[derive(Debug)]
 pub enum PlanOutcome {
     Planned(Box<PlanOutlook>),
-    /// The plan that was there already was looked at.
+    /// Prediction for the plan that the session had already.
     Expected(Box<PlanOutlook>),
 }
 
-/// What is written to a file.
+/// File to be exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Export {
-    /// The poses to measure, as a table.
+    /// Table of the poses to measure.
     Plan,
-    /// Parameters of the controller and identified ones, as a table.
+    /// Table of the controller's parameters and the identified ones.
     Differences,
     /// Identified parameters as constants in Structured Text.
     StructuredText,
-    /// The last verification, as a table.
+    /// Table of the last verification.
     Check,
 }
 
 impl Export {
-    /// Name that is suggested for the file.
+    /// Suggested file name.
     #[must_use]
     pub fn file_name(self) -> &'static str {
         match self {

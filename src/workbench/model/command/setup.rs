@@ -7,32 +7,32 @@ use tautline_link::opcua::{Account, Password};
 use tautline_link::symbols::SymbolCheck;
 use tautline_session::{Connection, LaserSettings, SymbolMapping};
 
-/// Title of looking symbols up.
+/// Title of the task that checks symbols.
 pub const CHECKING: &str = "Checking symbols";
 
-/// A file of a user whom the controller knows by a certificate.
+/// File of a user who authenticates by certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UserFile {
     Certificate,
     Key,
 }
 
-/// What the connection dialog asks for.
+/// Request of the connection dialog.
 #[derive(Debug, Clone)]
 pub enum Setup {
     Open,
     Close,
-    /// Takes the password of the user at the controller.
+    /// Sets the password of the user at the controller.
     UsePassword {
         password: Option<Password>,
-        /// Whether it is kept once the controller has accepted it.
+        /// Whether the password is stored once the controller has accepted it.
         keeps: bool,
     },
     /// Removes the stored password of a user.
     ForgetPassword(Account),
     /// Trusts the certificate of a server.
     Trust(Box<UntrustedServer>),
-    /// Stores the settings in the session, and for the next one in the preferences.
+    /// Stores the settings in the session, and in the preferences for the next one.
     Save(Box<(Connection, LaserSettings)>),
     /// Asks for the folder of a recording.
     PickRecording,
@@ -40,13 +40,13 @@ pub enum Setup {
     /// Asks for a file of the user at the controller.
     PickUserFile(UserFile),
     TakeUserFile(UserFile, PathBuf),
-    /// Looks the symbols of a mapping up at a controller.
+    /// Checks the symbols of a mapping at a controller.
     Check(Box<Connection>),
     /// Asks for a file with names of symbols.
     AskImport,
     /// Reads names of symbols from a file.
     Import(PathBuf),
-    /// Asks where to write names of symbols.
+    /// Asks for a path to export names of symbols to.
     AskExport(Box<SymbolMapping>),
     /// Writes names of symbols to a file.
     Export(PathBuf, Box<SymbolMapping>),
@@ -54,12 +54,12 @@ pub enum Setup {
 
 #[derive(Debug)]
 pub enum SetupOutcome {
-    /// The symbols as the controller describes them, or one sentence.
+    /// Symbols as the controller describes them, or an error message.
     Checked(Result<Vec<SymbolCheck>, String>),
-    /// The symbols could not be looked up because the certificate of the server is not trusted.
+    /// The symbols could not be checked because the certificate of the server is not trusted.
     Untrusted(Box<UntrustedServer>),
-    /// What has become of a stored password, or why nothing was possible.
+    /// Confirmation that a stored password was changed, or an error message.
     Password(Result<String, String>),
-    /// Names of symbols were read, or one sentence.
+    /// Names of symbols from a file, or an error message.
     Imported(Result<Box<SymbolMapping>, String>),
 }

@@ -1,4 +1,4 @@
-//! Simulating what the expected covariance answers.
+//! Studies: simulations that check what the expected covariance predicts.
 
 use std::path::PathBuf;
 
@@ -17,8 +17,8 @@ pub struct AskedRobot {
 /// Simulates the question as a study.
 #[derive(Debug, Clone)]
 pub enum StudyCommand {
-    /// Asks for a folder with a file dialog.
+    /// Asks for a folder.
     Browse(Box<AskedRobot>),
-    /// In a folder.
+    /// Simulates into a folder.
     Simulate(Box<AskedRobot>, PathBuf),
 }

@@ -1,4 +1,4 @@
-//! What the window shows.
+//! Commands that change only what the window shows.
 
 use egui::ThemePreference;
 use tautline_core::diagnosis::Quantity;
@@ -7,45 +7,45 @@ use tautline_session::Plots;
 
 use crate::model::Selection;
 use crate::model::manual::Page;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::Screen;
 
-/// Changes what is shown, nothing else.
+/// Changes the view; no data.
 #[derive(Debug, Clone)]
 pub enum ViewCommand {
     Go(Screen),
     Select(Selection),
-    /// Shows residuals of a kind of reading along a variable: plot, colours in 3D and selection go there.
+    /// Shows residuals of a quantity and cable along a variable, in the plots, the 3D colours and the selection.
     ShowDependence(Quantity, Option<usize>, Variable),
-    /// Inspects the pulley of a cable, by its index, or goes back to the whole robot.
+    /// Inspects the pulley of a cable, by its index; `None` returns to the whole robot.
     Inspect(Option<usize>),
-    /// Selects another of the measured poses.
+    /// Steps to another measured pose.
     Pose(PoseStep),
-    /// Selects a measured pose, and shows it even while the robot is elsewhere.
+    /// Selects a measured pose, even while the robot moves.
     Scrub(i64),
-    /// Plays the measured poses one after the other, or stops.
+    /// Starts or stops the playback of the measured poses.
     Play(bool),
-    /// Switches between the present and the selected pose while the robot moves.
+    /// Switches between the live pose and the selected pose while the robot moves.
     Follow(bool),
-    /// Dark, light or as the system has it.
+    /// Dark, light or system theme.
     Theme(ThemePreference),
-    /// Gives the window to one part of the screen, or to all again.
-    Maximise(Option<Part>),
-    /// Size of everything; 1 is 100 %.
+    /// Maximises one part of the screen; `None` shows all parts.
+    Maximise(Option<ScreenPart>),
+    /// Zoom factor of the window.
     Scale(f32),
     Palette(bool),
     Log(bool),
     /// Opens the manual at a page, or closes it.
     Manual(Option<Page>),
-    /// Shows or hides what the program is made of.
+    /// Shows or hides the *About* window.
     About(bool),
-    /// The last error was seen.
+    /// Dismisses the last error.
     Dismiss,
-    /// Keeps which plots are shown, and how they are arranged.
+    /// Stores which plots are shown and how they are arranged.
     SetPlots(Plots),
 }
 
-/// From the selected pose to another.
+/// Step from the selected pose to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PoseStep {
     First,
@@ -56,7 +56,7 @@ pub enum PoseStep {
 }
 
 impl PoseStep {
-    /// The pose that a step from the selected one leads to.
+    /// Label of the pose after a step from the selected one.
     #[must_use]
     pub fn from(self, labels: &[i64], selected: Option<i64>) -> Option<i64> {
         let last = labels.len().checked_sub(1)?;

@@ -1,4 +1,4 @@
-//! A connection to a controller, and how a lost one is re-established.
+//! Connection to a controller, and its recovery after a loss.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -11,33 +11,33 @@ use tautline_link::{
     Sample,
 };
 
-use super::message::{Doing, Lost, MeasuringRequest};
+use super::message::{LostConnection, MeasuringRequest, RunStep};
 use super::operation::Measuring;
 use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
-/// Attempts to reconnect at once after a connection broke while values were written; later ones are made in the background.
+/// Attempts to reconnect at once after a loss during writing; later ones are made in the background.
 const ATTEMPTS: u32 = 6;
-/// Interval of the samples that keep a real controller's release without an operation; its program waits longer.
+/// Sampling interval that keeps a real controller armed between operations; its watchdog waits longer.
 const ARMED: Duration = Duration::from_millis(100);
-/// Between two samples by which a lost connection is noticed.
+/// Sampling interval at which the loss of a connection is detected.
 const DISARMED: Duration = Duration::from_millis(500);
 
-/// Between two readings that a controller sends of its own accord (s).
+/// Interval of the readings that a controller publishes (s).
 const SENT_EVERY_S: f64 = 0.01;
-/// After such a silence of the readings that it sends, those that were asked for are shown again.
+/// Polled readings are shown again after such a pause of the published ones.
 const SILENCE: Duration = Duration::from_millis(500);
 
-/// A controller with what belongs to its connection.
+/// Controller with the state of its connection.
 pub(super) struct Connection {
     pub controller: GuardedController<dyn Controller>,
-    /// The laser to which the operator answers.
+    /// Laser whose distance the operator types.
     pub asked: Option<ManualLaser>,
     pub instrument: Option<Box<dyn Instrument>>,
     pub clock: SimulationClock,
     pub rig: Box<ConnectionSetup>,
     pub whereabouts: Option<PoseTracker>,
     lost: Option<Reconnection>,
-    /// When the last reading came that the controller sent of its own accord.
+    /// Time of the last published reading.
     sent: Option<Instant>,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Connection {
 struct Reconnection {
     since: Instant,
     attempts: Reconnect,
-    status: Lost,
+    status: LostConnection,
 }
 
 impl Connection {
@@ -62,18 +62,18 @@ impl Connection {
         }
     }
 
-    /// Has a real controller send its readings of its own accord, if it can: then more of them are shown than are asked for.
+    /// Subscribes to the readings of a real controller, if it publishes them: they come more often than polled ones.
     pub fn subscribe(&mut self) {
         self.sent = None;
         if self.rig.reconnects() {
-            // Otherwise those that are asked for are shown.
+            // Without a subscription the polled readings are shown.
             let _ = self.controller.subscribe(SENT_EVERY_S);
         }
     }
 
-    /// The readings to show that are new: those that the controller has sent, else the last one that was asked for.
+    /// New readings to show: those that the controller published, otherwise the last polled one.
     pub fn new_readings(&mut self) -> Vec<Sample> {
-        // A loss of the connection shows in the state.
+        // A lost connection shows in the state.
         let sent = self.controller.sent().unwrap_or_default();
         if !sent.is_empty() {
             self.sent = Some(Instant::now());
@@ -84,7 +84,7 @@ impl Connection {
         last.cloned().into_iter().collect()
     }
 
-    /// Time until the next sample of a real controller without an operation, or until the next attempt.
+    /// Time until the next sample of a real controller between operations, or until the next attempt to reconnect.
     pub fn pause(&self) -> Option<Duration> {
         if !self.rig.reconnects() {
             return None;
@@ -94,28 +94,28 @@ impl Connection {
     }
 
     /// The lost connection that is being re-established.
-    pub fn lost(&self) -> Option<&Lost> {
+    pub fn lost(&self) -> Option<&LostConnection> {
         self.lost.as_ref().map(|lost| &lost.status)
     }
 
-    /// What the controller does; `None` of a lost connection.
+    /// State of the controller; `None` while the connection is lost.
     pub fn state(&self) -> Option<ControllerState> {
         let there = self.lost.is_none();
         there.then(|| self.controller.state())
     }
 
-    /// Whether the controller is silent, and nobody has noticed yet.
+    /// Whether the connection has just been lost.
     pub fn is_newly_lost(&self) -> bool {
         self.lost.is_none() && self.controller.state().activity == Activity::Disconnected
     }
 
-    /// The connection is lost; attempts begin at once.
+    /// Marks the connection as lost and begins to reconnect.
     pub fn lose(&mut self, why: String) {
         let since = Instant::now();
         self.lost = Some(Reconnection {
             since,
             attempts: Reconnect::new(BackOff::default()),
-            status: Lost { why, due: since },
+            status: LostConnection { why, due: since },
         });
     }
 
@@ -125,7 +125,7 @@ impl Connection {
         }
     }
 
-    /// Tries again if that is due; whether the controller is there again.
+    /// Tries to reconnect if an attempt is due; returns whether the controller is connected again.
     pub fn try_again(&mut self) -> bool {
         let Some(lost) = &mut self.lost else {
             return false;
@@ -138,7 +138,7 @@ impl Connection {
             }
             Reconnected::Waiting(_) => {}
             Reconnected::Failed(error, due_s) => {
-                lost.status = Lost {
+                lost.status = LostConnection {
                     why: error.to_string(),
                     due: lost.since + Duration::from_secs_f64(due_s),
                 };
@@ -147,7 +147,7 @@ impl Connection {
         false
     }
 
-    /// A measuring run of this robot.
+    /// Measuring run with this robot.
     pub fn measuring(&self, order: MeasuringRequest) -> Measuring {
         let rig = &self.rig;
         let mut options = MeasuringOptions::of(rig.robot());
@@ -170,16 +170,16 @@ impl Connection {
             per_revolution_m: per_revolution
                 .map(|cable| cable.winch.cable_per_revolution_m())
                 .collect(),
-            doing: Doing::Moving,
+            doing: RunStep::Moving,
         }
     }
 }
 
-/// Re-establishes a connection that broke while values are written.
+/// Reconnects after a loss during writing.
 pub(super) struct ReconnectWhileWriting<W> {
-    /// Waits, and publishes the waiting.
+    /// Waits, and publishes the remaining time.
     pub wait: W,
-    /// Time after which nothing sent before can still arrive (s).
+    /// Time after which earlier messages can no longer arrive (s).
     pub late_s: f64,
 }
 

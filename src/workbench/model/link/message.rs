@@ -14,22 +14,22 @@ use tautline_session::{CheckPose, CheckRow, MeasuredPose, Stage};
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::ConnectionSetup;
 
-/// What the operator asks the thread of the controller for, with nothing else to be done.
+/// Request of the operator that is passed to the thread of the controller unchanged.
 #[derive(Debug, Clone)]
 pub enum LinkRequest {
     /// Ends the connection; a run ends with it.
     Disconnect,
-    /// Forbids motion and writing.
+    /// Disables motion and writing.
     Disarm,
     Pause,
     Resume,
-    /// The run leaves out the pose under way.
+    /// Skips the current pose of the run.
     Skip,
-    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    /// Laser distance (m) typed for the pose of this label; `None` if the laser has no return.
     LaserDistance(i64, Option<f64>),
-    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
+    /// Pose typed for the target of this number, from 1, of the verification.
     TypedPose(usize, CheckPose),
-    /// Tries to reach a lost controller now.
+    /// Tries to reconnect now.
     TryNow,
     ReadParameters,
 }
@@ -41,36 +41,36 @@ impl From<LinkRequest> for DriverCommand {
 }
 
 pub enum DriverCommand {
-    /// Connects, for the session of this id.
+    /// Connects for the session of this id.
     Connect(Box<ConnectionSetup>, u64),
     Requested(LinkRequest),
-    /// Allows motion and writing.
+    /// Enables motion and writing.
     Arm,
-    /// Whether the sensors are read without an operation.
+    /// Switches polling of the sensors between operations.
     PollWhenIdle(bool),
     Speed(f64),
     Measure(Box<MeasuringRequest>),
-    /// An open-ended run measures this pose, too.
+    /// Adds a pose to an open-ended run.
     Add(i64, Pose),
-    /// An open-ended run ends after the poses that it has.
+    /// Ends an open-ended run after its present poses.
     Close,
-    /// The run measures the pose of this label again, next.
+    /// Measures the pose of this label again, next.
     Repeat(i64),
-    /// Ends whatever is going on and stops the platform.
+    /// Aborts the operation and stops the platform.
     Abort,
-    /// The pose of this label is stored.
+    /// Confirms that the pose of this label is stored.
     Stored(i64),
-    /// Drives to targets for a verification, of which some are measured.
+    /// Verifies at targets, some of which are measured already.
     Verify(Vec<CheckTarget>, Stage, Vec<CheckRow>),
-    /// Writes values instead of the old ones, unless the controller holds others.
+    /// Writes new values, unless the controller no longer holds the old ones.
     Write {
         /// Values on the controller before writing.
         old: Vec<(String, f64)>,
         new: Vec<(String, f64)>,
         purpose: Purpose,
     },
-    /// Finds out which of old and new values it holds after writing was interrupted; if it is armed, the old ones are
-    /// restored in a mixture.
+    /// Compares the controller with the old and new values after an interrupted write; if it is armed and holds a
+    /// mixture, the old values are restored.
     Settle {
         /// Values before writing.
         old: Vec<(String, f64)>,
@@ -81,21 +81,21 @@ pub enum DriverCommand {
 pub struct MeasuringRequest {
     /// Labels and poses.
     pub plan: Vec<(i64, Pose)>,
-    /// Labels of the plan that are measured already.
+    /// Labels that are measured already.
     pub measured: Vec<i64>,
-    /// What readings are compared with.
+    /// Model that predicts the readings.
     pub model: Robot,
     /// Whether poses are added one by one, so that the run does not end when all are measured.
     pub is_open_ended: bool,
 }
 
-/// How far a new pose is from what was expected of it.
+/// Deviation of a new pose from its prediction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surprise {
+pub struct PoseDeviation {
     pub label: i64,
-    /// Predicted less measured length of each cable (m).
+    /// Predicted minus measured length of each cable (m).
     pub lengths_m: Vec<f64>,
-    /// Predicted less measured laser distance (m).
+    /// Predicted minus measured laser distance (m).
     pub laser_m: Option<f64>,
 }
 
@@ -106,62 +106,61 @@ pub enum DriverEvent {
         identity: String,
         protection: Option<LinkProtection>,
         parameters: Vec<ParameterInfo>,
-        /// What it is made of.
         rig: Box<ConnectionSetup>,
         session_id: u64,
     },
-    /// The connection has ended; why, if not by order.
+    /// The connection has ended; with the reason, unless requested.
     Disconnected(Option<String>),
-    /// The connection is lost and is being re-established; why.
+    /// The connection is lost and is being re-established; with the reason.
     Lost(String),
-    /// A lost connection is there again, not armed; what the controller holds now.
+    /// The connection is re-established, not armed; with the values of the controller.
     Regained(Vec<ParameterInfo>),
-    /// What the controller holds before the first pose of a run is commanded.
+    /// Controller values before the first pose of a run.
     ValuesAtStart(Vec<ParameterInfo>),
     /// Controller values after the run.
     ValuesAtEnd(Vec<ParameterInfo>),
-    /// The controller is going to a pose.
+    /// The controller moves to a pose.
     Commanded(i64),
-    /// A pose is measured and waits to be stored.
-    Measured(Box<MeasuredPose>, Option<Surprise>),
+    /// A pose is measured and must be stored.
+    Measured(Box<MeasuredPose>, Option<PoseDeviation>),
     Warning(Warning),
     Skipped(i64),
-    /// The run waits; why.
+    /// The run is paused; with the reason.
     Paused(String),
     Resumed,
-    /// The run has ended: nothing is left, or why it ended early.
+    /// The run is complete, or ended early for a reason.
     RunEnded(Result<(), String>),
-    /// The run has ended because the controller was restarted, so that no run can continue it.
+    /// The run ended because the controller was restarted; it cannot be continued.
     RunRestarted(String),
-    /// A verification has ended, with its rows until then and the reason if it ended early.
+    /// A verification ended, with its rows and the reason if it ended early.
     Verified(Stage, Vec<CheckRow>, Result<(), String>),
     Parameters(Vec<ParameterInfo>),
-    /// An attempt to write, and what the controller holds now.
+    /// Result of writing, with the controller values afterwards.
     Written {
         values: Vec<(String, f64)>,
         purpose: Purpose,
-        /// Adjustment, or why nothing was written.
+        /// Adjustment, or the reason why nothing was written.
         result: Result<Box<Adjustment>, String>,
         /// Values read back; `None` if reading failed.
         holds: Option<Vec<ParameterInfo>>,
     },
-    /// An interrupted attempt to write was looked at, and settled if possible; what the controller holds now.
+    /// Result of settling an interrupted write, with the controller values afterwards.
     Settled {
-        /// What it held.
+        /// Values found on the controller.
         found: ControllerValues,
         adjustment: Box<Adjustment>,
         /// Values read back; `None` if reading failed.
         holds: Option<Vec<ParameterInfo>>,
     },
-    /// Something that was asked for was not done; why.
+    /// A request was refused; with the reason.
     Refused(String),
-    /// There is no connection because the certificate of the server is not trusted.
+    /// No connection, because the certificate of the server is not trusted.
     Untrusted(Box<UntrustedServer>),
 }
 
-/// What a run does at this moment.
+/// Current step of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Doing {
+pub enum RunStep {
     #[default]
     Nothing,
     Moving,
@@ -169,15 +168,15 @@ pub enum Doing {
     Settling {
         /// Rates of change; `None` before there are enough samples.
         rates: Option<Rates>,
-        /// Largest rates at rest.
+        /// Limits for standstill.
         limits: Rates,
-        /// At least this much time is left (s).
+        /// Minimum remaining time (s).
         remaining_s: f64,
     },
-    /// Waiting for the laser distance that the operator types.
+    /// Waiting for the operator to type the laser distance.
     Asking {
         label: i64,
-        /// What is expected there (m), where that can be said.
+        /// Predicted distance (m), if known.
         expected_m: Option<f64>,
     },
     Sampling {
@@ -186,51 +185,51 @@ pub enum Doing {
     },
     Verifying {
         done: usize,
-        /// Targets in all.
+        /// Number of targets.
         of: usize,
     },
-    /// Waiting for the pose that the operator reads and types at a target.
+    /// Waiting for the operator to type the pose at a target.
     Locating {
         /// Number of the target, from 1.
         number: usize,
-        /// Targets in all.
+        /// Number of targets.
         of: usize,
     },
 }
 
-/// A lost connection, while it is being re-established.
+/// Lost connection that is being re-established.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lost {
+pub struct LostConnection {
     pub why: String,
-    /// When the next attempt is made.
+    /// Time of the next attempt.
     pub due: Instant,
 }
 
-/// What the controller and its run do at this moment.
+/// Present state of the controller and its run.
 #[derive(Debug, Clone, Default)]
-pub struct Live {
+pub struct LiveState {
     pub state: Option<ControllerState>,
-    /// The lost connection that is being re-established.
-    pub lost: Option<Lost>,
+    /// Lost connection that is being re-established.
+    pub lost: Option<LostConnection>,
     pub sample: Option<Sample>,
-    /// Where the platform is by these readings.
+    /// Pose of the platform computed from the sample.
     pub pose: Option<Pose>,
-    pub doing: Doing,
-    /// Poses that are still to be measured.
+    pub doing: RunStep,
+    /// Poses still to be measured.
     pub remaining: usize,
-    /// Time until a verification ends (s, clock of the controller); `None` before the second target.
+    /// Remaining time of a verification (s, clock of the controller); `None` before the second target.
     pub remaining_s: Option<f64>,
 }
 
 /// Pose, trail and tensions of the platform during an operation and after a stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LivePlatform {
-    /// Pose of the platform, by its readings.
+    /// Pose computed from the readings.
     pub pose: Pose,
-    /// Where it has been since this began (m).
+    /// Positions since the operation began (m).
     pub trail: Arc<Vec<Vec3>>,
-    /// Whether it rests there because it was stopped.
+    /// Whether the platform rests after a stop.
     pub is_stopped: bool,
-    /// Tension of each cable (N); empty or NaN where it is not known.
+    /// Tension of each cable (N); empty or NaN if unknown.
     pub tensions_n: Vec<f64>,
 }

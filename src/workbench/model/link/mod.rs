@@ -1,6 +1,6 @@
-//! The controller as the window sees it: a thread owns it, commands go there, events come back.
+//! Interface of the window to the controller: a thread owns it, commands go there, events come back.
 //!
-//! The thread sleeps without an operation, and wakes the window at most 20 times a second.
+//! Between operations the thread sleeps; it wakes the window at most 20 times a second.
 
 mod connection;
 mod message;
@@ -30,31 +30,29 @@ use tautline_workflow::controllers::ConnectionSetup;
 use tautline_workflow::sequential::SequentialRun;
 
 pub use self::message::{
-    Doing, DriverCommand, DriverEvent, LinkRequest, Live, LivePlatform, Lost, MeasuringRequest,
-    Surprise,
+    DriverCommand, DriverEvent, LinkRequest, LivePlatform, LiveState, LostConnection,
+    MeasuringRequest, PoseDeviation, RunStep,
 };
 pub use self::progress::duration;
-pub use self::run::{Pending, RunLog};
+pub use self::run::{PendingPose, RunLog};
 pub use self::trail::Trail;
 use tautline_workflow::adjusting::Purpose;
 
-/// How many times faster than real a simulated robot moves, if nobody chose otherwise: the whole demonstration takes some
-/// five minutes.
+/// Default time factor of a simulated robot: the whole demonstration takes about five minutes.
 pub const SIMULATED_SPEED: f64 = 5.0;
 
-/// The connection as the window knows it.
+/// Open connection.
 #[derive(Debug, Clone)]
 pub struct Connected {
-    /// Id of the session that it belongs to.
+    /// Id of its session.
     pub session_id: u64,
-    /// What it is made of.
     pub rig: Box<ConnectionSetup>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValuesToWrite {
     pub old: Vec<(String, f64)>,
-    /// What it is to hold.
+    /// Values after writing.
     pub new: Vec<(String, f64)>,
     pub purpose: Purpose,
 }
@@ -63,45 +61,45 @@ pub struct Link {
     context: egui::Context,
     commands: Option<Sender<DriverCommand>>,
     events: Option<Receiver<DriverEvent>>,
-    live: Arc<Mutex<Live>>,
+    live: Arc<Mutex<LiveState>>,
     scope: Arc<Mutex<Option<Scope>>>,
     thread: Option<JoinHandle<()>>,
     speed: f64,
     pub connected: Option<Connected>,
     pub identity: String,
-    /// Protection of the messages of the connection.
+    /// Protection of the messages (signing, encryption).
     pub protection: Option<LinkProtection>,
-    /// Password of the user at the controller, as typed; it is kept nowhere else.
+    /// Password of the user at the controller, as typed; stored nowhere else.
     pub password: Option<Password>,
-    /// Whether the password is kept once the controller has accepted it.
+    /// Whether the password is stored once the controller has accepted it.
     pub keeps_password: bool,
     pub parameters: Vec<ParameterInfo>,
     pub parameters_version: u64,
-    /// The measuring run, also after its end.
+    /// Measuring run, also after its end.
     pub run: Option<RunLog>,
-    /// The pose that waits to be stored.
-    pub pending: Option<Pending>,
+    /// Measured pose that is not stored yet.
+    pub pending: Option<PendingPose>,
     /// Stage of the running verification.
     pub verifying: Option<Stage>,
-    /// Where the last verification drives to.
+    /// Targets of the last verification.
     pub targets: Vec<CheckTarget>,
-    /// Whether the answer to a command to connect is waited for.
+    /// Whether a connection is being made.
     pub connecting: bool,
-    /// Whether what is being connected is armed at once, which only a simulated robot is.
+    /// Whether the controller is armed once connected; simulated robots only.
     pub arms_when_connected: bool,
     pub writing: bool,
-    /// Values that are written once their record is on disk.
+    /// Values to be written once their record is on disk.
     pub to_write: Option<ValuesToWrite>,
-    /// Whether the sensors are read without an operation.
+    /// Whether the sensors are polled between operations.
     pub polls_when_idle: bool,
     /// Trail of the current or last operation.
     pub trail: Trail,
-    /// Whether the platform rests where it was stopped.
+    /// Whether the platform rests after a stop.
     pub is_stopped: bool,
 }
 
 impl Link {
-    /// No connection; time of simulated robots runs `speed` times faster than real.
+    /// No connection yet; `speed` is the time factor of simulated robots.
     #[must_use]
     pub fn new(context: egui::Context, speed: f64) -> Self {
         Self {
@@ -137,7 +135,7 @@ impl Link {
         }
     }
 
-    /// Events that arrived since the last call.
+    /// Events since the last call.
     pub fn events(&self) -> Vec<DriverEvent> {
         let events = self.events.iter().flat_map(Receiver::try_iter);
         events.collect()
@@ -145,14 +143,14 @@ impl Link {
 
     /// Present state of the controller.
     #[must_use]
-    pub fn live(&self) -> Live {
+    pub fn live(&self) -> LiveState {
         self.live
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
     }
 
-    /// The latest readings, once there was a connection.
+    /// Passes the latest readings to `of`; `None` before the first connection.
     pub fn scope<T>(&self, of: impl FnOnce(&Scope) -> T) -> Option<T> {
         let scope = self.scope.lock().unwrap_or_else(PoisonError::into_inner);
         scope.as_ref().map(of)
@@ -175,37 +173,37 @@ impl Link {
         self.run.as_ref().is_some_and(|run| !run.has_ended())
     }
 
-    /// Whether a measuring run moves the robot and does not wait for the operator.
+    /// Whether a measuring run moves the robot and is not paused.
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         let run = self.run.as_ref().filter(|run| !run.has_ended());
         run.is_some_and(|run| run.paused.is_none()) && self.is_armed()
     }
 
-    /// Whether an operation needs the controller.
+    /// Whether an operation uses the controller.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.is_measuring() || self.verifying.is_some() || self.writing
     }
 
-    /// Whether there is something that could move: what is connected may, or does.
+    /// Whether the platform moves or could move.
     #[must_use]
     pub fn can_move(&self) -> bool {
         let moves = |state: &ControllerState| state.activity == Activity::Moving || state.armed;
         self.with_live(|live| live.state.as_ref().is_some_and(moves)) || self.is_busy()
     }
 
-    fn with_live<T>(&self, of: impl FnOnce(&Live) -> T) -> T {
+    fn with_live<T>(&self, of: impl FnOnce(&LiveState) -> T) -> T {
         of(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The lost connection that is being re-established, if it is.
+    /// Lost connection, while it is being re-established.
     #[must_use]
-    pub fn lost(&self) -> Option<Lost> {
+    pub fn lost(&self) -> Option<LostConnection> {
         self.with_live(|live| live.lost.clone())
     }
 
-    /// How many times faster than real a simulated robot's time runs; 1 of a real robot.
+    /// Time factor of a simulated robot; 1 for a real robot.
     #[must_use]
     pub fn speed(&self) -> f64 {
         let connected = self.connected.as_ref();
@@ -220,7 +218,7 @@ impl Link {
         self.send(DriverCommand::Speed(speed));
     }
 
-    /// Connects to what `rig` describes, for the session of this id.
+    /// Connects to the controller `rig`, for the session of this id.
     pub fn connect(&mut self, rig: ConnectionSetup, session_id: u64) {
         self.start();
         self.connecting = true;
@@ -228,7 +226,7 @@ impl Link {
         self.send(DriverCommand::PollWhenIdle(self.polls_when_idle));
     }
 
-    /// Forgets the connection once it has ended.
+    /// Removes the connection after its end.
     pub fn forget(&mut self) {
         self.connected = None;
         self.parameters.clear();
@@ -239,19 +237,19 @@ impl Link {
         self.to_write = None;
     }
 
-    /// Takes what the controller holds.
+    /// Stores the values of the controller.
     pub fn take_parameters(&mut self, parameters: Vec<ParameterInfo>) {
         self.parameters = parameters;
         self.parameters_version += 1;
     }
 
-    /// Whether the sensors are read without an operation.
+    /// Switches polling of the sensors between operations.
     pub fn poll_when_idle(&mut self, polls_when_idle: bool) {
         self.polls_when_idle = polls_when_idle;
         self.send(DriverCommand::PollWhenIdle(polls_when_idle));
     }
 
-    /// Measures the poses of a plan that are not measured yet, and then those that `until` decides on, beside so many that were
+    /// Measures the poses of a plan that are not measured yet, then those chosen by `until`, in addition to the number
     /// measured before; readings are compared with `model`.
     pub fn measure(
         &mut self,
@@ -263,7 +261,7 @@ impl Link {
         self.begin();
         let labels = plan.iter().map(|(label, _)| *label);
         let to_measure = labels.filter(|label| !measured.contains(label));
-        // What was seen in a run before is still to be looked at.
+        // Warnings of an earlier run are kept.
         let before = self.run.take();
         let is_open_ended = until.is_some();
         let poses = measured.iter().filter(|label| **label != 0).count();
@@ -295,7 +293,7 @@ impl Link {
         self.is_stopped = false;
     }
 
-    /// The run measures a pose again, next.
+    /// Measures a pose again, next.
     pub fn repeat(&mut self, label: i64) {
         if let Some(run) = &mut self.run {
             run.again(label);
@@ -310,7 +308,7 @@ impl Link {
         self.send(DriverCommand::Verify(targets, stage, rows));
     }
 
-    /// Values that are to be written once their record is on disk.
+    /// Prepares values that are written once their record is on disk.
     pub fn prepare(&mut self, values: ValuesToWrite) {
         self.writing = true;
         self.to_write = Some(values);
@@ -345,10 +343,10 @@ impl Link {
         self.events = Some(arrived);
     }
 
-    /// Sends a command to the thread of the controller, once there is one.
+    /// Sends a command to the thread of the controller, if it runs.
     pub fn send(&self, command: impl Into<DriverCommand>) {
         if let Some(commands) = &self.commands {
-            // The thread ends with the program only.
+            // The thread ends only with the program.
             let _ = commands.send(command.into());
         }
     }
@@ -358,7 +356,7 @@ impl Drop for Link {
     fn drop(&mut self) {
         self.commands = None;
         if let Some(thread) = self.thread.take() {
-            // A thread that panicked has nothing to stop any more.
+            // A thread that panicked has stopped already.
             let _ = thread.join();
         }
     }

@@ -11,7 +11,7 @@ use tautline_link::verifying::{
 use tautline_link::{Activity, Controller};
 use tautline_session::{CheckRow, MeasuredPose, Stage};
 
-use super::message::{Doing, DriverEvent, Surprise};
+use super::message::{DriverEvent, PoseDeviation, RunStep};
 
 /// Current operation of the driver thread.
 pub(super) enum Operation {
@@ -21,7 +21,7 @@ pub(super) enum Operation {
 }
 
 impl Operation {
-    /// Whether it continues without an answer of the operator or the disk.
+    /// Whether it continues without an answer from the operator or the disk.
     pub fn needs_ticks(&self) -> bool {
         match self {
             Self::None => false,
@@ -47,7 +47,7 @@ impl Operation {
         }
     }
 
-    /// What the controller holds at the end of a run that is about to be aborted.
+    /// Controller values at the end of a run that is about to be aborted.
     pub fn values_at_end(&mut self, controller: &mut dyn Controller) -> Option<DriverEvent> {
         let Self::Measuring(measuring) = self else {
             return None;
@@ -62,15 +62,15 @@ impl Operation {
         }
     }
 
-    pub fn doing(&self) -> Doing {
+    pub fn doing(&self) -> RunStep {
         match self {
-            Self::None => Doing::Nothing,
+            Self::None => RunStep::Nothing,
             Self::Measuring(m) => m.doing,
             Self::Verifying(v) => v.doing,
         }
     }
 
-    /// Time until a verification is over (s).
+    /// Remaining time of a verification (s).
     pub fn remaining_s(&self) -> Option<f64> {
         match self {
             Self::Verifying(v) => v.remaining_s(),
@@ -86,23 +86,23 @@ impl Operation {
     }
 }
 
-/// A measuring run, with what new poses are compared with.
+/// Measuring run with the model that predicts its poses.
 pub(super) struct Measuring {
     pub run: MeasuringRun,
     pub poses: HashMap<i64, Pose>,
     pub predictor: Predictor,
     pub per_revolution_m: Vec<f64>,
-    pub doing: Doing,
+    pub doing: RunStep,
     pub remaining: usize,
 }
 
 impl Measuring {
-    /// Whether it continues without an answer of the operator or the disk.
+    /// Whether it continues without an answer from the operator or the disk.
     pub fn needs_ticks(&self) -> bool {
         !self.run.is_paused() && self.run.stage() != Phase::Storing
     }
 
-    /// Measures one more pose.
+    /// Adds a pose to the run.
     pub fn add(&mut self, label: i64, pose: Pose) {
         self.poses.insert(label, pose);
         self.run.add(label, pose);
@@ -121,7 +121,7 @@ impl Measuring {
             MeasuringEvent::ValuesAtStart(values) => DriverEvent::ValuesAtStart(values),
             MeasuringEvent::ValuesAtEnd(values) => DriverEvent::ValuesAtEnd(values),
             MeasuringEvent::Commanded { label } => {
-                self.doing = Doing::Moving;
+                self.doing = RunStep::Moving;
                 DriverEvent::Commanded(label)
             }
             MeasuringEvent::Settling {
@@ -129,7 +129,7 @@ impl Measuring {
                 limits,
                 remaining_s,
             } => {
-                self.doing = Doing::Settling {
+                self.doing = RunStep::Settling {
                     rates,
                     limits,
                     remaining_s,
@@ -137,14 +137,14 @@ impl Measuring {
                 return None;
             }
             MeasuringEvent::Sampling { taken, of } => {
-                self.doing = Doing::Sampling { taken, of };
+                self.doing = RunStep::Sampling { taken, of };
                 return None;
             }
             MeasuringEvent::LaserWanted { label } => {
                 let pose = self.poses.get(&label);
                 let expected = pose.and_then(|pose| (self.predictor)(pose));
                 let expected_m = expected.and_then(|expected| expected.laser_m);
-                self.doing = Doing::Asking { label, expected_m };
+                self.doing = RunStep::Asking { label, expected_m };
                 return None;
             }
             MeasuringEvent::Measured(pose) => {
@@ -162,7 +162,7 @@ impl Measuring {
         })
     }
 
-    fn surprise(&self, pose: &MeasuredPose) -> Option<Surprise> {
+    fn surprise(&self, pose: &MeasuredPose) -> Option<PoseDeviation> {
         let expected = (self.predictor)(&pose.commanded()?)?;
         let revolutions = pose.readings.revolutions.row(0);
         let pairs = revolutions.iter().zip(&expected.revolutions);
@@ -172,7 +172,7 @@ impl Measuring {
             .collect();
         let read_m = pose.readings.laser_at(0);
         let laser_m = expected.laser_m.map(|expected_m| expected_m - read_m);
-        Some(Surprise {
+        Some(PoseDeviation {
             label: pose.label(),
             lengths_m,
             laser_m: laser_m.filter(|off_m| off_m.is_finite()),
@@ -180,23 +180,23 @@ impl Measuring {
     }
 }
 
-/// A verification run; the platform goes home first.
+/// Verification run; the platform first moves home.
 pub(super) struct Verifying {
     pub run: VerifyingRun,
     pub stage: Stage,
     rows: Vec<CheckRow>,
-    /// Number of rows from before it was continued.
+    /// Number of rows measured before it was continued.
     begun_with: usize,
-    doing: Doing,
-    /// Where the operator types the poses.
+    doing: RunStep,
+    /// Instrument whose poses the operator types.
     pub typed: Option<TypedInstrument>,
     is_home: bool,
-    /// When the first and the last target were commanded (s), by the controller's clock.
+    /// Times of the commands to the first and the last target (s, clock of the controller).
     commanded_s: Option<[f64; 2]>,
 }
 
 impl Verifying {
-    /// A run over targets, of which `rows` are measured; without an instrument the operator types the poses.
+    /// Verification over targets, `rows` of which are measured; without an instrument the operator types the poses.
     pub fn new(
         targets: Vec<CheckTarget>,
         (stage, rows): (Stage, Vec<CheckRow>),
@@ -214,16 +214,16 @@ impl Verifying {
             stage,
             typed,
             rows,
-            doing: Doing::Moving,
+            doing: RunStep::Moving,
             is_home: false,
             commanded_s: None,
         }
     }
 
-    /// Time until the last target is measured (s), from the targets so far.
+    /// Remaining time until the last target is measured (s), from the targets so far.
     pub fn remaining_s(&self) -> Option<f64> {
         let [first_s, last_s] = self.commanded_s?;
-        let (Doing::Verifying { done, of } | Doing::Locating { number: done, of }) = self.doing
+        let (RunStep::Verifying { done, of } | RunStep::Locating { number: done, of }) = self.doing
         else {
             return None;
         };
@@ -239,7 +239,7 @@ impl Verifying {
         instrument: Option<&mut (dyn Instrument + 'static)>,
     ) -> Vec<DriverEvent> {
         if !self.is_home && controller.state().activity == Activity::Moving {
-            // A sample updates the state; its errors show there.
+            // Sampling updates the state, which shows errors.
             let _ = controller.sample();
             return Vec::new();
         }
@@ -252,13 +252,13 @@ impl Verifying {
         match event {
             None => Vec::new(),
             Some(VerifyingEvent::Wanted { number }) => {
-                if let Doing::Verifying { of, .. } = self.doing {
-                    self.doing = Doing::Locating { number, of };
+                if let RunStep::Verifying { of, .. } = self.doing {
+                    self.doing = RunStep::Locating { number, of };
                 }
                 Vec::new()
             }
             Some(VerifyingEvent::Commanded { done, of }) => {
-                self.doing = Doing::Verifying { done, of };
+                self.doing = RunStep::Verifying { done, of };
                 if let Some(now_s) = now_s {
                     let first_s = self.commanded_s.map_or(now_s, |[first_s, _]| first_s);
                     self.commanded_s = Some([first_s, now_s]);

@@ -2,10 +2,10 @@
 
 use tautline_workflow::sequential::SequentialRun;
 
-use super::{Doing, Link};
+use super::{Link, RunStep};
 
 impl Link {
-    /// The current operation as a sentence.
+    /// Current operation as a sentence.
     #[must_use]
     pub fn doing(&self) -> Option<String> {
         let doing = self.live().doing;
@@ -27,15 +27,15 @@ impl Link {
             return Some("Writing to the controller".to_owned());
         }
         self.verifying.map(|_| match doing {
-            Doing::Verifying { done, of } => format!("Test pose {done} of {of}"),
-            Doing::Locating { number, of } => {
+            RunStep::Verifying { done, of } => format!("Test pose {done} of {of}"),
+            RunStep::Locating { number, of } => {
                 format!("At test pose {number} of {of}, waiting for its position")
             }
             _ => "Moving to the home pose".to_owned(),
         })
     }
 
-    /// Number of poses done and to do in the current operation.
+    /// Number of poses done, and of all poses, in the current operation.
     #[must_use]
     pub fn done_of(&self) -> Option<[usize; 2]> {
         if let Some(run) = self.run.as_ref().filter(|run| !run.has_ended()) {
@@ -43,7 +43,7 @@ impl Link {
         }
         self.verifying?;
         match self.live().doing {
-            Doing::Verifying { done, of } | Doing::Locating { number: done, of } => {
+            RunStep::Verifying { done, of } | RunStep::Locating { number: done, of } => {
                 Some([done.saturating_sub(1), of])
             }
             _ => None,
@@ -61,7 +61,7 @@ impl Link {
         Some(left_s? / self.speed())
     }
 
-    /// The remaining time in words: "2 min left".
+    /// Remaining time in words, such as "2 min left".
     #[must_use]
     pub fn time_left(&self) -> Option<String> {
         let left = duration(self.time_left_s()?);
@@ -73,16 +73,21 @@ impl Link {
     }
 }
 
-fn at_pose(doing: Doing, label: i64) -> String {
+fn at_pose(doing: RunStep, label: i64) -> String {
     let place = match label {
         0 => "home".to_owned(),
         label => format!("pose {label}"),
     };
     match doing {
-        Doing::Settling { .. } => format!("At {place}, settling"),
-        Doing::Sampling { taken, of } => format!("At {place}, reading sample {taken} of {of}"),
-        Doing::Asking { .. } => format!("At {place}, waiting for the laser distance"),
-        Doing::Nothing | Doing::Moving | Doing::Verifying { .. } | Doing::Locating { .. } => {
+        RunStep::Settling { .. } => format!("At {place}, settling"),
+        RunStep::Sampling { taken, of } => {
+            format!("At {place}, reading sample {taken} of {of}")
+        }
+        RunStep::Asking { .. } => format!("At {place}, waiting for the laser distance"),
+        RunStep::Nothing
+        | RunStep::Moving
+        | RunStep::Verifying { .. }
+        | RunStep::Locating { .. } => {
             format!("Moving to {place}")
         }
     }
@@ -104,14 +109,14 @@ mod tests {
 
     #[test]
     fn words_say_where_the_robot_is_and_what_it_does() {
-        let settling = Doing::Settling {
+        let settling = RunStep::Settling {
             rates: None,
             limits: Default::default(),
             remaining_s: 1.0,
         };
         assert_eq!(at_pose(settling, 7), "At pose 7, settling");
-        assert_eq!(at_pose(Doing::Moving, 0), "Moving to home");
-        let sampling = Doing::Sampling { taken: 3, of: 10 };
+        assert_eq!(at_pose(RunStep::Moving, 0), "Moving to home");
+        let sampling = RunStep::Sampling { taken: 3, of: 10 };
         assert_eq!(at_pose(sampling, 7), "At pose 7, reading sample 3 of 10");
         assert_eq!(duration(89.0), "89 s");
         assert_eq!(duration(200.0), "3 min");

@@ -7,16 +7,16 @@ use std::time::{Duration, Instant};
 use tautline_core::robot::Robot;
 use tautline_link::Sample;
 
-use super::message::{DriverEvent, Live};
+use super::message::{DriverEvent, LiveState};
 use super::scope::Scope;
 
-/// Between two pictures of the window.
+/// Minimum interval between two frames of the window.
 pub(super) const PICTURE: Duration = Duration::from_millis(50);
 
 /// Publishes to the window, and wakes it no more often than it can draw.
 pub(super) struct StatusPublisher {
     pub events: Sender<DriverEvent>,
-    pub live: Arc<Mutex<Live>>,
+    pub live: Arc<Mutex<LiveState>>,
     pub scope: Arc<Mutex<Option<Scope>>>,
     pub context: egui::Context,
     pub woken: Option<Instant>,
@@ -24,7 +24,7 @@ pub(super) struct StatusPublisher {
 
 impl StatusPublisher {
     pub fn report(&mut self, event: DriverEvent) {
-        // Nobody listens any more when the program ends.
+        // The receiver is gone when the program ends.
         let _ = self.events.send(event);
         self.wake();
     }
@@ -39,8 +39,8 @@ impl StatusPublisher {
         }
     }
 
-    /// Puts what is going on where the window finds it.
-    pub fn put(&mut self, live: Live) {
+    /// Replaces the published state.
+    pub fn put(&mut self, live: LiveState) {
         *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
         self.wake();
     }
@@ -58,8 +58,8 @@ impl StatusPublisher {
         }
     }
 
-    /// Whether what the window finds is so.
-    pub fn shows(&self, is_so: impl FnOnce(&Live) -> bool) -> bool {
+    /// Whether the published state satisfies a condition.
+    pub fn shows(&self, is_so: impl FnOnce(&LiveState) -> bool) -> bool {
         is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

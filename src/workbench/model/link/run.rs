@@ -1,58 +1,58 @@
-//! What is known of a measuring run.
+//! Progress of a measuring run.
 
 use std::collections::BTreeSet;
 
 use tautline_link::measuring::Warning;
 use tautline_session::MeasuredPose;
 
-use super::message::Surprise;
+use super::message::PoseDeviation;
 use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::sequential::SequentialRun;
 
-/// A measured pose that waits to be on disk.
+/// Measured pose that is not on disk yet.
 #[derive(Debug, Clone)]
-pub struct Pending {
+pub struct PendingPose {
     pub label: i64,
-    /// What was measured, with the label that it gets.
+    /// Measured pose with its label.
     pub pose: MeasuredPose,
-    /// Whether it could not be kept.
+    /// Whether storing it failed.
     pub failed: bool,
 }
 
-/// A measuring run as the operator follows it.
+/// Measuring run as the operator follows it.
 #[derive(Debug, Default)]
 pub struct RunLog {
     to_measure: BTreeSet<i64>,
     measured: BTreeSet<i64>,
-    /// Labels that were left out.
+    /// Labels of skipped poses.
     pub skipped: BTreeSet<i64>,
-    /// Label that the platform is at or on its way to.
+    /// Label of the pose that the platform is at or moves to.
     pub current: Option<i64>,
-    /// Why it waits, if it does.
+    /// Reason why it is paused.
     pub paused: Option<String>,
     /// Warnings, oldest first.
     pub warnings: Vec<Warning>,
-    /// Number of warnings that the session has already.
+    /// Number of warnings stored in the session.
     stored_warnings: usize,
-    /// How far each pose was from what was expected.
-    pub surprises: Vec<Surprise>,
-    /// Label that was measured last.
+    /// Deviation of each pose from its prediction.
+    pub surprises: Vec<PoseDeviation>,
+    /// Label measured last.
     last: Option<i64>,
-    /// When poses were measured, by the controller's clock (s).
+    /// Times of the measurements (s, clock of the controller).
     times_s: Vec<f64>,
     pub ended: Option<Result<(), String>>,
     /// Whether it ended because the controller was restarted.
     pub restarted: bool,
-    /// Decisions on its poses, if they are made one by one.
+    /// Sequential choice of poses, if enabled.
     pub until: Option<SequentialRun>,
-    /// Why no pose could be decided on, if that failed.
+    /// Reason why the choice of a pose failed.
     pub undecided: Option<String>,
-    /// Poses that were measured before the run, the home pose not counted.
+    /// Number of poses measured before the run, without the home pose.
     before: usize,
 }
 
 impl RunLog {
-    /// A run over poses of these labels, beside `before` poses that were measured before.
+    /// Run over poses of these labels, in addition to `before` poses measured earlier.
     #[must_use]
     pub fn new(labels: impl Iterator<Item = i64>, before: usize) -> Self {
         Self {
@@ -67,21 +67,21 @@ impl RunLog {
         self.ended.is_some()
     }
 
-    /// Whether it ended because a decision has ended it.
+    /// Whether the run ended by its end condition.
     #[must_use]
     pub fn has_decided(&self) -> bool {
         let until = self.until.as_ref();
         self.has_ended() && until.is_some_and(|until| until.end().is_some())
     }
 
-    /// Poses that are measured, those before the run included and the home pose not counted.
+    /// Number of measured poses, including those before the run, without the home pose.
     #[must_use]
     pub fn done(&self) -> usize {
         self.before + self.measured.iter().filter(|label| **label != 0).count()
     }
 
-    /// Poses in all, those before the run included, those left out and the home pose not counted; of an open-ended run the
-    /// largest number.
+    /// Number of all poses, including those before the run, without skipped ones and the home pose; of an open-ended
+    /// run, the largest number.
     #[must_use]
     pub fn of(&self) -> usize {
         if let Some(until) = &self.until {
@@ -91,7 +91,7 @@ impl RunLog {
         self.before + wanted.filter(|label| **label != 0).count()
     }
 
-    /// The poses that are measured, in words.
+    /// Measured poses in words.
     #[must_use]
     pub fn measured_in_words(&self) -> String {
         poses_in_words(self.measured.iter().copied())
@@ -104,7 +104,7 @@ impl RunLog {
         self.times_s.push(time_s);
     }
 
-    /// Warnings since the last call, to be stored with the pose that was measured.
+    /// Warnings since the last call, to be stored with the measured pose.
     pub(crate) fn take_new_warnings(&mut self) -> Vec<Warning> {
         let new = self.warnings.get(self.stored_warnings..);
         let new = new.unwrap_or_default().to_vec();
@@ -112,19 +112,19 @@ impl RunLog {
         new
     }
 
-    /// The pose that was measured last, unless it is the home pose, which cannot be repeated.
+    /// Pose measured last; `None` for the home pose, which cannot be repeated.
     #[must_use]
     pub fn last_measured(&self) -> Option<i64> {
         self.last.filter(|label| *label != 0)
     }
 
-    /// A pose is measured again.
+    /// Marks a pose as to be measured again.
     pub fn again(&mut self, label: i64) {
         self.measured.remove(&label);
         self.to_measure.insert(label);
     }
 
-    /// Time until the last pose is measured (s, clock of the controller); `None` before the second pose.
+    /// Remaining time until the last pose is measured (s, clock of the controller); `None` before the second pose.
     #[must_use]
     pub fn remaining_s(&self) -> Option<f64> {
         let [first, .., last] = *self.times_s else {

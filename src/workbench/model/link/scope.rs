@@ -1,19 +1,18 @@
-//! The latest readings of the controller, decimated as they come: what they take and what a picture of them costs stays
-//! the same however long a run is.
+//! Latest readings of the controller, decimated as they arrive: memory and drawing time do not grow with the run.
 
 use tautline_core::robot::Robot;
 use tautline_link::Sample;
 use tautline_link::measuring::{MeasuringOptions, Rates, SettlingWindow};
 
-/// Time that is kept (s), by the controller's clock.
+/// Time span (s), by the controller's clock.
 pub const SPAN_S: f64 = 30.0;
-/// A reading that is older than the latest by less was overtaken (s); by more, the controller's time has begun anew.
+/// A reading older than the latest by less arrived out of order (s); by more, the clock of the controller was reset.
 const OVERTAKEN_S: f64 = 1.0;
-/// Intervals of time, for each of which least and greatest value are kept.
+/// Number of time intervals, for each of which the minimum and maximum are stored.
 const BINS: usize = 300;
 const BIN_S: f64 = SPAN_S / BINS as f64;
 
-/// One of the readings.
+/// Channel of the scope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
     /// Tension of a cable (N).
@@ -22,11 +21,11 @@ pub enum Channel {
     Revolutions(usize),
     /// Laser distance (m).
     Laser,
-    /// Rates of change of a kind of reading, in multiples of the limit at rest.
+    /// Rate of change of a quantity, as a multiple of its limit at standstill.
     Speed(Reading),
 }
 
-/// A kind of reading whose speed decides whether the robot stands still.
+/// Quantity whose rate decides whether the robot stands still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reading {
     /// Cable lengths.
@@ -39,7 +38,7 @@ pub enum Reading {
 impl Reading {
     pub const ALL: [Self; 3] = [Self::Length, Self::Tension, Self::Laser];
 
-    /// Its rate among those of all kinds (m/s, N/s, m/s).
+    /// Rate of this quantity (m/s, N/s, m/s).
     #[must_use]
     pub fn of(self, rates: &Rates) -> f64 {
         match self {
@@ -50,19 +49,19 @@ impl Reading {
     }
 }
 
-/// Least and greatest value of a channel in an interval of time.
+/// Minimum and maximum of a channel in a time interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Middle of the interval (s), counted from the latest reading, so that it is negative.
+    /// Middle of the interval (s), relative to the latest reading, hence negative.
     pub time_s: f64,
-    /// Least and greatest value.
+    /// Minimum and maximum.
     pub values: [f64; 2],
 }
 
-/// Nothing was read.
+/// Extent of an interval without readings.
 const NOTHING: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
-/// The readings of the last [`SPAN_S`].
+/// Readings of the last [`SPAN_S`].
 #[derive(Debug, Clone)]
 pub struct Scope {
     robot: Robot,
@@ -70,16 +69,16 @@ pub struct Scope {
     settle_time_s: f64,
     window: SettlingWindow,
     rates: Option<Rates>,
-    /// Number of the interval in each place of the ring.
+    /// Number of the interval in each slot of the ring buffer.
     numbers: [i64; BINS],
-    /// Extents of all channels in each place of the ring.
+    /// Extents of all channels in each slot of the ring buffer.
     extents: Vec<[f32; 2]>,
     latest_s: Option<f64>,
     readings: u64,
 }
 
 impl Scope {
-    /// Nothing was read yet from a robot.
+    /// Scope of a robot, without readings.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let options = MeasuringOptions::of(robot);
@@ -105,26 +104,27 @@ impl Scope {
         self.robot.cables.iter().map(|cable| cable.name.as_str())
     }
 
-    /// Counts the readings.
+    /// Number of readings.
     #[must_use]
     pub fn readings(&self) -> u64 {
         self.readings
     }
 
-    /// Counts the moments that are worth a picture of their own, one in an interval; `None` until something was read.
+    /// Number of the current time interval, which changes when a new picture is worthwhile; `None` before the first
+    /// reading.
     #[must_use]
     pub fn moment(&self) -> Option<i64> {
         self.latest_s
             .map(|latest_s| (latest_s / BIN_S).floor() as i64)
     }
 
-    /// How fast readings change, and how fast they may while the robot counts as still; `None` until enough was read.
+    /// Rates of change and their limits at standstill; `None` before there are enough readings.
     #[must_use]
     pub fn rates(&self) -> Option<(Rates, Rates)> {
         Some((self.rates?, self.limits))
     }
 
-    /// Adds a reading. One that was overtaken is left out; after that, an earlier time begins anew.
+    /// Adds a reading. One out of order is dropped; after a reset of the clock the scope starts again.
     pub fn record(&mut self, sample: &Sample) {
         if !sample.time_s.is_finite() {
             return;
@@ -169,7 +169,7 @@ impl Scope {
         }
     }
 
-    /// What a channel read, the oldest first.
+    /// Extents of a channel, oldest first.
     pub fn extents(&self, channel: Channel) -> impl Iterator<Item = Extent> + '_ {
         let column = self.column(channel);
         let latest_s = self.latest_s.unwrap_or(0.0);
@@ -196,7 +196,7 @@ impl Scope {
         *greatest = greatest.max(value as f32);
     }
 
-    /// Where the channels of a place of the ring are.
+    /// Range of a slot of the ring buffer in `extents`.
     fn range(&self, place: usize) -> std::ops::Range<usize> {
         let count = channels(&self.robot);
         place * count..(place + 1) * count
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn speed_is_that_by_which_the_robot_counts_as_still() {
         let mut scope = scope();
-        // So many times the limit, in revolutions per second.
+        // Speed as a multiple of the limit, in revolutions per second.
         let per_revolution = scope.robot.cables[0].winch.cable_per_revolution_m();
         let speed = 4.0 * scope.limits.length_m_per_s / per_revolution;
         for k in 0..200 {

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use tautline_core::geometry::Vec3;
 
-/// Most places; when there are as many, every other one is dropped.
+/// Largest number of points; at this number every other one is dropped.
 const MOST: usize = 512;
-/// First distance between places (m).
+/// Initial distance between points (m).
 const APART_M: f64 = 2e-3;
 
-/// The way of the platform.
+/// Path of the platform.
 #[derive(Debug, Clone)]
 pub struct Trail {
     places: Arc<Vec<Vec3>>,
@@ -26,13 +26,13 @@ impl Default for Trail {
 }
 
 impl Trail {
-    /// The places (m), the oldest first.
+    /// Points (m), oldest first.
     #[must_use]
     pub fn places(&self) -> &Arc<Vec<Vec3>> {
         &self.places
     }
 
-    /// Adds where the platform is, if it is far enough from where it was.
+    /// Adds a position if it is far enough from the last point.
     pub fn follow(&mut self, place: Vec3) {
         let last = self.places.last();
         if last.is_some_and(|last| (place - last).norm() < self.apart_m) {

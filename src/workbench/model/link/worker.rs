@@ -14,21 +14,21 @@ use tautline_link::{Activity, Clock, Controller, LinkError};
 use tautline_session::{CheckRow, Stage};
 
 use super::connection::{Connection, ReconnectWhileWriting};
-use super::message::{DriverCommand, DriverEvent, LinkRequest, Live, Lost};
+use super::message::{DriverCommand, DriverEvent, LinkRequest, LiveState, LostConnection};
 use super::operation::{Operation, Verifying};
 use super::publisher::{PICTURE, StatusPublisher};
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::{ConnectionSetup, OpenError, RobotKind};
 
-/// Between two samples at the speed of real time.
+/// Interval between two samples in real time.
 const TICK: Duration = Duration::from_millis(20);
-/// Shortest time between two samples of a simulated robot whose time runs faster.
+/// Shortest interval between two samples of a simulated robot with a time factor.
 const SHORTEST_TICK: Duration = Duration::from_millis(3);
-/// Longest step of a simulated robot's time during an operation (s).
+/// Longest time step of a simulated robot during an operation (s).
 const LONGEST_STEP_S: f64 = 0.2;
-/// Between two pictures of the time that is left until a lost connection is tried again.
+/// Interval at which the countdown to the next attempt to reconnect is updated.
 const COUNTDOWN: Duration = Duration::from_millis(250);
-/// Why something ends if nothing is wrong.
+/// Reason for an end by request.
 const BY_OPERATOR: &str = "it was stopped by the operator";
 
 struct Worker {
@@ -39,7 +39,7 @@ struct Worker {
     speed: f64,
 }
 
-/// Carries out commands until nobody can send any more; then the platform is stopped.
+/// Carries out commands until the channel is closed, then stops the platform.
 pub(super) fn serve(commands: &Receiver<DriverCommand>, publisher: StatusPublisher, speed: f64) {
     let mut worker = Worker {
         publisher,
@@ -92,7 +92,7 @@ impl Worker {
         polls_when_idle.into_iter().chain(connection.pause()).min()
     }
 
-    /// Whether there is more to do than listening to a real controller.
+    /// Whether there is more to do than to sample a real controller.
     fn is_busy(&self) -> bool {
         let moves = |connection: &Connection| {
             let state = connection.controller.state();
@@ -103,7 +103,7 @@ impl Worker {
             || self.connection.as_ref().is_some_and(moves)
     }
 
-    /// Does one step; `goes_on`: something went on before.
+    /// Carries out one step; `goes_on` tells that an operation was running before.
     fn step(&mut self, command: Option<DriverCommand>, goes_on: bool) {
         let given = command.is_some();
         if let Some(connection) = &self.connection {
@@ -130,7 +130,7 @@ impl Worker {
         }
     }
 
-    /// The connection is lost: that to a real controller is re-established, any other has ended.
+    /// Handles a lost connection: one to a real controller is re-established, any other has ended.
     fn lose(&mut self, why: String) {
         let Some(connection) = &mut self.connection else {
             return;
@@ -149,7 +149,7 @@ impl Worker {
                 measuring.run.hold(LOST.to_owned());
                 reports = measuring.tick(&mut connection.controller, now_s);
             }
-            // Its targets belong to one way of the platform.
+            // A verification belongs to one uninterrupted motion.
             Operation::Verifying(_) => reports.extend(self.operation.abort(&why)),
             Operation::None => {}
         }
@@ -159,7 +159,7 @@ impl Worker {
         self.publisher.report(DriverEvent::Lost(why));
     }
 
-    /// Tries to reconnect, if that is due.
+    /// Tries to reconnect, if an attempt is due.
     fn try_again(&mut self) {
         let Some(connection) = &mut self.connection else {
             return;
@@ -177,7 +177,7 @@ impl Worker {
         }
     }
 
-    /// Finds out what the controller holds after writing was interrupted, and restores the old values where it can.
+    /// Determines the values of the controller after an interrupted write, and restores the old ones if possible.
     fn settle(&mut self, old: &[(String, f64)], new: &[(String, f64)]) -> Result<(), LinkError> {
         let Some(connection) = &mut self.connection else {
             return Ok(());
@@ -211,10 +211,10 @@ impl Worker {
         Ok(())
     }
 
-    /// What needs a connection.
+    /// Carries out a command that needs a connection.
     fn control(&mut self, command: DriverCommand) -> Result<(), LinkError> {
         let Some(connection) = self.connection.as_mut() else {
-            // What concerns a run that has ended with its connection needs no answer.
+            // A command for a run that ended with its connection needs no answer.
             return Ok(());
         };
         let controller = &mut connection.controller;
@@ -223,7 +223,7 @@ impl Worker {
             DriverCommand::Requested(LinkRequest::Disarm) => controller.disarm(),
             DriverCommand::Abort => {
                 let stopped = controller.stop();
-                // What is shown afterwards is where it is now; what is wrong with a reading shows in the state.
+                // Updates the position shown; an error of a reading shows in the state.
                 let _ = controller.sample();
                 let read = self.operation.values_at_end(controller);
                 let report = self.operation.abort(BY_OPERATOR);
@@ -321,11 +321,12 @@ impl Worker {
         }
     }
 
-    /// Stops the platform and ends operation and connection for the reason `why`; returns whether there was a connection.
+    /// Stops the platform and ends operation and connection for the reason `why`; returns whether there was a
+    /// connection.
     fn close(&mut self, why: &str) -> bool {
         let mut connection = self.connection.take();
         let read = connection.as_mut().and_then(|connection| {
-            // The connection ends either way, and a lost connection stops the drives.
+            // The connection ends in any case, and its loss stops the drives.
             let _ = connection.controller.stop();
             self.operation.values_at_end(&mut connection.controller)
         });
@@ -386,7 +387,7 @@ impl Worker {
         }
         let listens = connection.rig.reconnects();
         let controller = &mut connection.controller;
-        // What is wrong with a reading nobody waits for shows in the state.
+        // Between operations, an error of a reading shows in the state.
         let reports = match &mut self.operation {
             Operation::None => {
                 let moves = controller.state().activity == Activity::Moving;
@@ -423,20 +424,20 @@ impl Worker {
         }
     }
 
-    /// Puts what is going on where the window finds it; `changed`: at once.
+    /// Publishes the state of the controller; at once if `changed`.
     fn show(&mut self, changed: bool) {
         if !changed && !self.publisher.is_due() && self.operation.needs_ticks() {
             return;
         }
         let live = match &mut self.connection {
-            None => Live::default(),
+            None => LiveState::default(),
             Some(connection) => {
                 let sample = connection.controller.last().cloned();
                 let whereabouts = connection.whereabouts.as_mut();
                 let pose = whereabouts
                     .zip(sample.as_ref())
                     .map(|(w, s)| w.of_sample(s));
-                Live {
+                LiveState {
                     state: connection.state(),
                     lost: connection.lost().cloned(),
                     pose,
@@ -447,15 +448,15 @@ impl Worker {
                 }
             }
         };
-        // Listening to a controller that stands still wakes nobody.
-        let is_new = |shown: &Live| shown.state != live.state || live.lost.is_some();
+        // Sampling a controller at standstill does not wake the window.
+        let is_new = |shown: &LiveState| shown.state != live.state || live.lost.is_some();
         if changed || self.is_busy() || self.publisher.shows(is_new) {
             self.publisher.put(live);
         }
     }
 }
 
-/// Writes values; where the connection breaks it is re-established.
+/// Writes values and reconnects if the connection breaks.
 fn write(
     connection: &mut Connection,
     publisher: &mut StatusPublisher,
@@ -467,13 +468,13 @@ fn write(
         late_s: connection.rig.late_s(),
         wait: |pause_s: f64| {
             let pause = Duration::from_secs_f64(pause_s);
-            let lost = Lost {
+            let lost = LostConnection {
                 why: why.to_owned(),
                 due: Instant::now() + pause,
             };
-            publisher.put(Live {
+            publisher.put(LiveState {
                 lost: Some(lost),
-                ..Live::default()
+                ..LiveState::default()
             });
             std::thread::sleep(pause);
         },

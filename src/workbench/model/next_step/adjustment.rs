@@ -3,7 +3,7 @@
 use tautline_link::adjusting::Difference;
 use tautline_session::{Outcome, Session, Stage};
 
-use super::{Action, NextStep, Sign, connecting, identification, of_controller, status};
+use super::{Action, NextStep, Problem, connecting, identification, of_controller, status};
 use crate::model::command::{ReportCommand, RobotCommand};
 use crate::model::phase::{Phase, PhaseStatus, Progress};
 use crate::model::{Model, OpenSession};
@@ -13,34 +13,34 @@ use tautline_workflow::controllers::RobotKind;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::wording::{count, sentence};
 
-/// What is wrong with the values, the controller, and what was written and measured.
-pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
+/// Problems of the identified values, the controller, and the last adjustment and verification.
+pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
     let session = open.session();
-    let mut signs: Vec<Sign> = of_values(model, open).into_iter().collect();
-    signs.extend(of_controller(model));
+    let mut problems: Vec<Problem> = of_values(model, open).into_iter().collect();
+    problems.extend(of_controller(model));
     let review = model.review();
     let with_controller = |text: &str, (action, then): (Action, &'static str)| {
         let (action, then) = connecting(model, session).unwrap_or((Some(action), then));
-        Sign::new(text, action, then)
+        Problem::new(text, action, then)
     };
-    signs.extend(
+    problems.extend(
         match session.adjustments().last().map(|last| &last.outcome) {
             Some(Outcome::Failed(why)) if !open.fit_is_current() => {
                 let (action, then) = unidentified(open);
-                Some(Sign::new(why, Some(action), then))
+                Some(Problem::new(why, Some(action), then))
             }
             Some(Outcome::Failed(why)) => Some(with_controller(why, write(session, &review.lines))),
             Some(Outcome::Begun | Outcome::Unsettled(_)) => {
                 let settle = Action::new("Settle the interrupted values", RobotCommand::Arm);
                 let text = model.unsettled().unwrap_or_default();
-                let then = "Nothing moves and nothing is written before.";
+                let then = "Until then, nothing moves and nothing is written.";
                 Some(with_controller(&text, (settle, then)))
             }
             _ => None,
         },
     );
-    signs.extend(adjusting::refusal(&review.lines).map(|why| {
-        Sign::new(
+    problems.extend(adjusting::refusal(&review.lines).map(|why| {
+        Problem::new(
             sentence(&why),
             None,
             "End the correction at the controller first.",
@@ -51,27 +51,27 @@ pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
         let back = Action::new("Roll back the values", RobotCommand::RollBack);
         let text = "The robot is less accurate than before.";
         let then = "Take the values back, then diagnose the model.";
-        signs.push(with_controller(text, (back, then)));
+        problems.push(with_controller(text, (back, then)));
     }
     if let Err(error) = before_and_after(session) {
-        signs.push(with_controller(&error, measure(session, Stage::After)));
+        problems.push(with_controller(&error, measure(session, Stage::After)));
     }
-    signs
+    problems
 }
 
-/// What is wrong in phase 4 with the values that would be written.
+/// Problem in phase 4 that affects the values to be written.
 #[must_use]
-pub fn of_values(model: &Model, open: &OpenSession) -> Option<Sign> {
+pub fn of_values(model: &Model, open: &OpenSession) -> Option<Problem> {
     if !open.fit_is_current() {
         return None;
     }
-    let sign = identification::of_values(model, open).into_iter().next()?;
+    let problem = identification::of_values(model, open).into_iter().next()?;
     let then = "Its values can make the robot less accurate.";
     let go = Action::go(Phase::Identification);
-    Some(Sign::new(sign.text, Some(go), then))
+    Some(Problem::new(problem.text, Some(go), then))
 }
 
-/// The poses are measured, or the pulleys identified, before anything is written.
+/// Step before anything can be written: measure the poses or identify the pulleys.
 fn unidentified(open: &OpenSession) -> (Action, &'static str) {
     let action = match open.session().measurements.is_empty() {
         true => Action::go(Phase::Measuring),
@@ -136,7 +136,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     NextStep::new(status, Some(action), then)
 }
 
-/// What differs is written; where nothing does, it is measured.
+/// Writes the values that differ; without differences, measures instead.
 fn write(session: &Session, differences: &[Difference]) -> (Action, &'static str) {
     let changes = differences.iter().filter(|one| one.is_writable_change());
     match changes.count() {
@@ -167,7 +167,7 @@ fn measure(session: &Session, stage: Stage) -> (Action, &'static str) {
     (Action::new(title, RobotCommand::Verify(stage)), then)
 }
 
-/// A simulated controller gets parameters for effects that it cannot correct yet.
+/// Adds the missing parameters for effects to a simulated controller.
 fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Action> {
     let kind = model
         .link

@@ -1,15 +1,15 @@
-//! The next step of phases 1 and 2: what was measured on the bench is applied, then poses are measured.
+//! Next step of phases 1 and 2: apply the bench measurements, then measure poses.
 
 use tautline_workflow::precalibration::Table;
 use tautline_workflow::wording::sentence;
 
-use super::{Action, NextStep, Sign, plan, status};
+use super::{Action, NextStep, Problem, plan, status};
 use crate::model::command::ImportCommand;
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Progress};
 use crate::model::{Model, OpenSession, phase_status};
 
-/// Measured values are applied, those of phase 1 all at once.
+/// Applies measured values, those of phase 1 all at once.
 pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usize) -> NextStep {
     let status = status(model, open, phase);
     let calibration = open.calibration();
@@ -35,8 +35,8 @@ pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usi
     NextStep::new(status, Some(action), then)
 }
 
-/// Tables from which no good values follow.
-pub(super) fn signs(open: &OpenSession, phase: Phase) -> Vec<Sign> {
+/// Tables without usable values.
+pub(super) fn problems(open: &OpenSession, phase: Phase) -> Vec<Problem> {
     let of = open.calibration();
     let tables = match phase {
         Phase::Precalibration => vec![
@@ -54,7 +54,7 @@ pub(super) fn signs(open: &OpenSession, phase: Phase) -> Vec<Sign> {
             &of.with_elongation,
         )],
     };
-    let signs = tables.into_iter().filter_map(|(table, status, proposal)| {
+    let problems = tables.into_iter().filter_map(|(table, status, proposal)| {
         let why = match (status.progress, &proposal.robot) {
             (Progress::Attention, _) => &status.line,
             (Progress::InProgress, Err(why)) => why,
@@ -63,7 +63,7 @@ pub(super) fn signs(open: &OpenSession, phase: Phase) -> Vec<Sign> {
         let title = format!("Import {} again…", table.file_name());
         let again = Action::new(title, ImportCommand::Ask(table));
         let then = "Measure it again, and import or type what was read.";
-        Some(Sign::new(sentence(why), Some(again), then))
+        Some(Problem::new(sentence(why), Some(again), then))
     });
-    signs.collect()
+    problems.collect()
 }

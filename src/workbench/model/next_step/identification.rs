@@ -1,10 +1,10 @@
-//! The next step of phase 4: identify, diagnose, add what was found, until the model explains the readings.
+//! Next step of phase 4: identify, diagnose, add causes, until the model explains the readings.
 
 use tautline_core::diagnosis::{Finding, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_core::planning::USUAL_POSES;
 
-use super::{Action, NextStep, Sign, identify, plan, status};
+use super::{Action, NextStep, Problem, identify, plan, status};
 use crate::model::command::{FileCommand, IdentificationCommand, ImportCommand, RecordingCommand};
 use crate::model::phase::Phase;
 use crate::model::{Model, OpenSession, findings};
@@ -16,8 +16,8 @@ use tautline_workflow::precalibration::Table;
 use tautline_workflow::readiness::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
 use tautline_workflow::wording::{count, sentence};
 
-/// Something to do, with what comes after it.
-type Step = (Action, &'static str);
+/// Action that remedies a problem, with a sentence about the one after it.
+type Remedy = (Action, &'static str);
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let status = status(model, open, Phase::Identification);
@@ -43,65 +43,71 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     NextStep::new(status, Some(Action::go(Phase::Adjustment)), then)
 }
 
-/// What is wrong with the readings and with the model, and what the diagnosis proposes that is not decided yet.
-pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
-    let mut signs = of_values(model, open);
+/// Problems of the readings and the model, and undecided findings of the diagnosis.
+pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
+    let mut problems = of_values(model, open);
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
     if let Some(diagnosed) = diagnosed {
         let undecided = findings::undecided(open, diagnosed);
         let step = of_findings(model, diagnosed, &undecided);
-        signs.extend(step.map(|(action, then)| {
+        problems.extend(step.map(|(action, then)| {
             let text = format!("{} to look at.", count(undecided.len(), "finding"));
-            Sign::new(text, Some(action), then)
+            Problem::new(text, Some(action), then)
         }));
     }
-    signs
+    problems
 }
 
-/// What is wrong with readings and fit, so that the values must not be used.
-pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Sign> {
+/// Problems of readings and fit that rule out using the values.
+pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Problem> {
     if open.session().measurements.is_empty() {
         return Vec::new();
     }
     let checks = checked(model, open);
-    let mut signs: Vec<Sign> = checks.into_iter().filter_map(|(_, sign)| sign).collect();
+    let mut problems: Vec<Problem> = checks
+        .into_iter()
+        .filter_map(|(_, problem)| problem)
+        .collect();
     let written = foreign_writes::sentences(open.session()).into_iter();
-    signs.extend(written.map(|text| {
+    problems.extend(written.map(|text| {
         let (action, then) = measure_again(Vec::new());
-        Sign::new(text, Some(action), then)
+        Problem::new(text, Some(action), then)
     }));
     if let Some(fit) = open.fit().filter(|_| open.fit_is_current()) {
-        signs.extend(of_fit(model, open, fit));
+        problems.extend(of_fit(model, open, fit));
     }
-    signs
+    problems
 }
 
-/// The check of the readings; what is wrong with them, as long as no model explains them.
+/// Checks of the readings, each with its problem unless the model explains the readings.
 #[must_use]
-pub fn checked<'m>(model: &'m Model, open: &'m OpenSession) -> Vec<(&'m CheckItem, Option<Sign>)> {
+pub fn checked<'m>(
+    model: &'m Model,
+    open: &'m OpenSession,
+) -> Vec<(&'m CheckItem, Option<Problem>)> {
     let whole = model.identification.readiness.as_ref();
     let whole = whole.filter(|(of, _)| *of == open.inputs());
     let items = whole.map_or(open.checked_readings(), |(_, found)| &found.checks);
     let fit = open.fit().filter(|_| open.fit_is_current());
     let is_explained =
         fit.is_some_and(|fit| FitVerdict::of(fit.solution.p_value()) == FitVerdict::Adequate);
-    let sign = |item: &CheckItem| {
+    let problem = |item: &CheckItem| {
         (item.outcome == CheckOutcome::Fail && !is_explained).then(|| {
             let (action, then) = of_check(model, open, item);
             let advice = item.action.clone();
             let text = format!("{}: {}", item.title(), item.sentence);
-            Sign::new(
+            Problem::new(
                 text,
                 Some(action),
                 advice.unwrap_or_else(|| then.to_owned()),
             )
         })
     };
-    items.iter().map(|item| (item, sign(item))).collect()
+    items.iter().map(|item| (item, problem(item))).collect()
 }
 
-/// A wrong sign, unit or channel is one of the recipe where there is one; else the doctor may name it.
-fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
+/// Remedy of a failed check: a wrong sign, unit or channel is corrected in the recipe, if any, otherwise by the doctor.
+fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Remedy {
     match item.name.as_str() {
         COMPLETE | PLAUSIBLE if can_import_again(open.session()) => {
             let back = Action::new("Back to import", RecordingCommand::Correct);
@@ -115,12 +121,12 @@ fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
     }
 }
 
-/// What is wrong with a fit; the doctor says what the model lacks.
+/// Problems of a fit.
 #[must_use]
-pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Sign> {
-    let mut signs = Vec::new();
-    let mut add = |text: String, (action, then): Step| {
-        signs.push(Sign::new(text, Some(action), then));
+pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    let mut add = |text: String, (action, then): Remedy| {
+        problems.push(Problem::new(text, Some(action), then));
     };
     if !fit.solution.converged() {
         let text = "The identification did not converge: do not use these values.";
@@ -140,11 +146,11 @@ pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Si
         let text = format!("{}.", sentence(FitVerdict::Inadequate.words()));
         add(text, of_model(model, open));
     }
-    signs
+    problems
 }
 
-/// What is to be done about a model that does not explain the readings.
-fn of_model(model: &Model, open: &OpenSession) -> Step {
+/// Remedy of a model that does not explain the readings.
+fn of_model(model: &Model, open: &OpenSession) -> Remedy {
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
     let Some(diagnosed) = diagnosed else {
         return diagnose();
@@ -161,9 +167,9 @@ fn of_model(model: &Model, open: &OpenSession) -> Step {
     })
 }
 
-/// What is to be done about findings: causes that last are part of the model, and a new series is measured without those
-/// that do not; then poses tell several causes apart, and patterns describe what has no cause.
-fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Step> {
+/// Next step for findings: permanent causes are added to the model, others are repaired and measured again; then poses
+/// separate several causes, and patterns describe errors without a cause.
+fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Remedy> {
     let open = model.open.as_ref()?;
     let has_name = |finding: &&Finding| finding.verdict() != Verdict::Unknown && !finding.is_list();
     let named: Vec<&Finding> = undecided.iter().copied().filter(has_name).collect();
@@ -218,8 +224,8 @@ fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> 
     })
 }
 
-/// An error without a name: what it looks like, and the likeliest pattern for the model.
-fn pattern(model: &Model, open: &OpenSession) -> Step {
+/// Next step for an error without a known cause: look for patterns, then add the likeliest one to the model.
+fn pattern(model: &Model, open: &OpenSession) -> Remedy {
     let found = model.identification.patterns.as_ref();
     match found.filter(|(of, _)| *of == open.inputs()) {
         None => (
@@ -243,13 +249,13 @@ fn pattern(model: &Model, open: &OpenSession) -> Step {
     }
 }
 
-fn diagnose() -> Step {
+fn diagnose() -> Remedy {
     let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
     (action, "Then: add the causes to the model.")
 }
 
-/// A new series of the same poses, without what was repaired.
-fn measure_again(repaired: Vec<EffectSetting>) -> Step {
+/// New series of the same poses, without the repaired effects.
+fn measure_again(repaired: Vec<EffectSetting>) -> Remedy {
     let title = match repaired.len() {
         0 => "Measure again",
         _ => "Repaired: measure again",
@@ -259,7 +265,7 @@ fn measure_again(repaired: Vec<EffectSetting>) -> Step {
     (action, then)
 }
 
-fn more_poses() -> Step {
+fn more_poses() -> Remedy {
     let action = plan(USUAL_POSES).in_phase(Phase::Measuring);
     (action, "No cause was found: more poses show more.")
 }

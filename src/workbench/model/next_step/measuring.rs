@@ -1,6 +1,6 @@
-//! The next step of phase 3: plan, connect, arm, measure.
+//! Next step of phase 3: plan, connect, arm, measure.
 
-use super::{Action, NextStep, Sign, connecting, identify, of_controller, plan, status};
+use super::{Action, NextStep, Problem, connecting, identify, of_controller, plan, status};
 use crate::model::command::{ImportCommand, RobotCommand};
 use crate::model::link::{LinkRequest, RunLog};
 use crate::model::phase::{Phase, Progress};
@@ -43,27 +43,27 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     NextStep::new(status, Some(action), "Then: the robot moves. Stop: F12.")
 }
 
-/// What is wrong before poses are measured, and while they are.
-pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
-    let signs = failed_save(model).into_iter().chain(no_home(open));
-    signs.chain(of_controller(model)).collect()
+/// Problems before and during measuring.
+pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
+    let problems = failed_save(model).into_iter().chain(no_home(open));
+    problems.chain(of_controller(model)).collect()
 }
 
-/// A measured pose that could not be kept on disk.
+/// Measured pose that could not be stored.
 #[must_use]
-pub fn failed_save(model: &Model) -> Option<Sign> {
+pub fn failed_save(model: &Model) -> Option<Problem> {
     let pending = model.link.pending.as_ref();
     let label = pending.filter(|pending| pending.failed)?.pose.label();
     let text = format!(
         "Pose {label} was measured but could not be saved. The run is paused: free disk space or fix permissions, then retry."
     );
     let retry = Action::new("Retry save", RobotCommand::RetrySave);
-    Some(Sign::new(text, Some(retry), "Then: the run goes on."))
+    Some(Problem::new(text, Some(retry), "Then: the run goes on."))
 }
 
-/// Revolutions without the pose from which they count.
+/// Missing home pose, to which revolutions refer.
 #[must_use]
-pub fn no_home(open: &OpenSession) -> Option<Sign> {
+pub fn no_home(open: &OpenSession) -> Option<Problem> {
     let session = open.session();
     if session.robot.home.is_some() || !session.measurements.length_m.is_empty() {
         return None;
@@ -71,10 +71,10 @@ pub fn no_home(open: &OpenSession) -> Option<Sign> {
     let text = "This robot has no home pose, so revolutions have no reference. Measure it first.";
     let measure = Action::new("Measure the home pose", ImportCommand::Show(Table::Home));
     let then = "On the home platform, or with another instrument.";
-    Some(Sign::new(text, Some(measure), then))
+    Some(Problem::new(text, Some(measure), then))
 }
 
-/// A measuring run that needs nobody.
+/// Running measurement without a problem.
 pub(super) fn running(model: &Model) -> Option<NextStep> {
     let run = model.link.run.as_ref()?;
     if run.paused.is_some() || failed_save(model).is_some() {
@@ -91,7 +91,7 @@ pub(super) fn running(model: &Model) -> Option<NextStep> {
     Some(NextStep::wait(text, Some(share(run)), then))
 }
 
-/// A measuring run that is paused.
+/// Paused measurement.
 fn paused(model: &Model) -> Option<NextStep> {
     let run = model.link.run.as_ref().filter(|run| !run.has_ended())?;
     let reason = run.paused.as_ref()?;
@@ -123,7 +123,7 @@ fn poses_measured(run: &RunLog) -> String {
     }
 }
 
-/// A sentence as the rest of another.
+/// Sentence with a small initial, to follow other text.
 fn lowercase(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().into_iter().flat_map(char::to_lowercase);

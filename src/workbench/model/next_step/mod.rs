@@ -1,16 +1,16 @@
-//! What is done in a phase, the one thing to do next, and what comes after it. What is wrong comes first: its remedy is the
-//! one thing to do.
+//! Next step of each phase: its state, one action, and what comes after it. If there is a problem, the action is its
+//! remedy.
 
 mod adjustment;
 mod bench;
 mod identification;
 mod measuring;
-mod sign;
+mod problem;
 
 pub use adjustment::of_values;
 pub use identification::{checked, of_fit};
 pub use measuring::{failed_save, no_home};
-pub use sign::Sign;
+pub use problem::Problem;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tautline_link::Activity;
@@ -26,28 +26,27 @@ use super::phase::{Phase, PhaseStatus, Progress, Screen};
 use super::{Model, OpenSession, phase_status};
 use tautline_workflow::wording::{count, sentence};
 
-/// The keys that do it.
+/// Keyboard shortcut of the next step.
 pub const KEYS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Enter);
 
-/// What the foot of a phase shows.
+/// Footer of a phase.
 #[derive(Debug, Clone)]
 pub struct NextStep {
-    /// How far the phase is.
     pub progress: Progress,
     /// State of the phase in a sentence.
     pub done: String,
     /// Completed share of the current operation, from 0 to 1.
     pub share: Option<f32>,
-    /// The one thing to do next, if there is one.
+    /// Next action, if there is one.
     pub action: Option<Action>,
-    /// What comes after it, as a sentence; or what to do where no button can do it.
+    /// Sentence about the step after the action; or instructions if no button can do it.
     pub then: String,
 }
 
-/// Something to do, with a button that does it.
+/// Action with its button.
 #[derive(Debug, Clone)]
 pub struct Action {
-    /// Text of the button.
+    /// Label of the button.
     pub title: String,
     pub commands: Vec<Command>,
 }
@@ -60,7 +59,7 @@ impl Action {
         }
     }
 
-    /// The same in another phase, to which it goes first.
+    /// Same action in another phase, which is shown first.
     fn in_phase(mut self, phase: Phase) -> Self {
         let go = ViewCommand::Go(Screen::Phase(phase));
         self.commands.insert(0, go.into());
@@ -73,7 +72,7 @@ impl Action {
         Self::new(title, go)
     }
 
-    /// The phase in which it does more than to go there.
+    /// Phase in which the action does more than to change the screen.
     fn works_in(&self) -> Option<Phase> {
         match &self.commands[..] {
             [Command::View(ViewCommand::Go(Screen::Phase(phase))), _, ..] => Some(*phase),
@@ -93,7 +92,7 @@ impl NextStep {
         }
     }
 
-    /// An operation runs; the only action is to stop it.
+    /// Running operation; the only action is to stop it.
     fn wait(text: impl Into<String>, share: Option<f32>, then: impl Into<String>) -> Self {
         Self {
             progress: Progress::InProgress,
@@ -105,17 +104,18 @@ impl NextStep {
     }
 }
 
-/// The next step of a phase; `poses` are to be planned if none are. Nothing without a session.
+/// Next step of a phase; `poses` is the number to plan if there is no plan. `None` without a session.
 ///
-/// What runs is waited for. Else the first thing that is wrong is remedied: here, and where the next step would work.
+/// A running operation comes first, then the first problem of this phase, then that of the phase in which the action
+/// works.
 #[must_use]
 pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
     let open = model.open.as_ref()?;
     if let Some(running) = running(model, phase) {
         return Some(running);
     }
-    let mut signs = signs(model, phase);
-    if signs.is_empty() {
+    let mut problems = problems(model, phase);
+    if problems.is_empty() {
         let step = match phase {
             Phase::Precalibration | Phase::Modeling => bench::of(model, (open, phase), poses),
             Phase::Measuring => measuring::of(model, open, poses),
@@ -123,8 +123,8 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
             Phase::Adjustment => adjustment::of(model, open),
         };
         let works_in = step.action.as_ref().and_then(Action::works_in);
-        signs = works_in.map_or_else(Vec::new, |other| self::signs(model, other));
-        if signs.is_empty() {
+        problems = works_in.map_or_else(Vec::new, |other| self::problems(model, other));
+        if problems.is_empty() {
             return Some(step);
         }
     }
@@ -132,25 +132,25 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
         progress: Progress::Attention,
         ..status(model, open, phase)
     };
-    let Sign { remedy, then, .. } = signs.swap_remove(0);
+    let Problem { remedy, then, .. } = problems.swap_remove(0);
     Some(NextStep::new(status, remedy, then))
 }
 
-/// What is wrong in a phase, the first thing first; each is shown there in red. Nothing without a session.
+/// Problems of a phase, most urgent first, shown in red. Empty without a session.
 #[must_use]
-pub fn signs(model: &Model, phase: Phase) -> Vec<Sign> {
+pub fn problems(model: &Model, phase: Phase) -> Vec<Problem> {
     let Some(open) = &model.open else {
         return Vec::new();
     };
     match phase {
-        Phase::Precalibration | Phase::Modeling => bench::signs(open, phase),
-        Phase::Measuring => measuring::signs(model, open),
-        Phase::Identification => identification::signs(model, open),
-        Phase::Adjustment => adjustment::signs(model, open),
+        Phase::Precalibration | Phase::Modeling => bench::problems(open, phase),
+        Phase::Measuring => measuring::problems(model, open),
+        Phase::Identification => identification::problems(model, open),
+        Phase::Adjustment => adjustment::problems(model, open),
     }
 }
 
-/// The state of a phase; that of the identification with its poses.
+/// State of a phase; for the identification, with the number of poses.
 fn status(model: &Model, open: &OpenSession, phase: Phase) -> PhaseStatus {
     let status = phase_status::of(model, open, phase);
     let fit = open.fit().filter(|_| open.fit_is_current());
@@ -164,7 +164,7 @@ fn status(model: &Model, open: &OpenSession, phase: Phase) -> PhaseStatus {
     }
 }
 
-/// What is computed in a phase, or what the robot does.
+/// Running computation of a phase, or the motion of the robot.
 fn running(model: &Model, phase: Phase) -> Option<NextStep> {
     let tasks: &[(&str, &str, &str)] = match phase {
         Phase::Measuring => &[(PLANNING, "Planning poses", "Then: connect the controller.")],
@@ -198,7 +198,7 @@ fn plan(poses: usize) -> Action {
     Action::new(title, RobotCommand::Plan(poses))
 }
 
-/// The robot moves, or is written to, from another phase than the one that is shown.
+/// Motion or writing that was started in another phase.
 fn moving(model: &Model) -> Option<NextStep> {
     let doing = model.link.doing()?;
     let words: Vec<String> = [Some(doing), model.link.time_left()]
@@ -217,22 +217,22 @@ fn moving(model: &Model) -> Option<NextStep> {
     ))
 }
 
-/// What is wrong with the controller.
-fn of_controller(model: &Model) -> Option<Sign> {
+/// Problem of the controller.
+fn of_controller(model: &Model) -> Option<Problem> {
     let live = model.link.live();
     if live.lost.is_some() {
         let now = Action::new("Reconnect now", LinkRequest::TryNow);
         let then = "Tautline reconnects by itself, too.";
-        return Some(Sign::new("The connection is lost.", Some(now), then));
+        return Some(Problem::new("The connection is lost.", Some(now), then));
     }
     let Activity::Fault(text) = live.state?.activity else {
         return None;
     };
     let then = "Clear the fault at the controller: nothing moves before.";
-    Some(Sign::new(format!("Fault: {text}"), None, then))
+    Some(Problem::new(format!("Fault: {text}"), None, then))
 }
 
-/// Connecting and arming what the session's settings name; nothing once that is done.
+/// Step that connects and arms the controller of the session; `None` once that is done.
 fn connecting(model: &Model, session: &Session) -> Option<(Option<Action>, &'static str)> {
     let link = &model.link;
     if link.connecting {
@@ -240,7 +240,7 @@ fn connecting(model: &Model, session: &Session) -> Option<(Option<Action>, &'sta
     }
     if !link.is_connected() {
         return Some(match RobotKind::offered(session) {
-            // A simulated robot can do no harm.
+            // A simulated robot is harmless.
             RobotKind::OfSession => (
                 Some(Action::new(
                     "Connect and arm the simulated robot",
@@ -274,7 +274,7 @@ fn connecting(model: &Model, session: &Session) -> Option<(Option<Action>, &'sta
     })
 }
 
-/// Identifying, in its phase.
+/// Identification, in its phase.
 fn identify() -> Action {
     let identify = IdentificationCommand::Identify;
     Action::new("Identify the pulleys", identify).in_phase(Phase::Identification)

@@ -1,4 +1,4 @@
-//! How far the adjustment of the controller is.
+//! State of the adjustment of the controller.
 
 use tautline_session::{Outcome, Stage};
 
@@ -6,7 +6,7 @@ use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
 use tautline_workflow::wording::count;
 
-/// What was written, whether it was verified, and how many values differ from it by now.
+/// Result of the last adjustment, its verification, and the number of values changed since.
 pub(super) fn whole(open: &OpenSession, changes: usize) -> PhaseStatus {
     let session = open.session();
     let verified = |stage: Stage| session.verifications().iter().any(|run| run.stage == stage);

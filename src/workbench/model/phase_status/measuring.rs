@@ -1,11 +1,11 @@
-//! How far the measured poses are.
+//! State of the measured poses.
 
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
 use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::wording::count;
 
-/// How many poses are measured and how many are still planned.
+/// Number of poses measured and still planned.
 pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
     let session = open.session();
     let labels = || session.measurements.labels.iter().copied();
@@ -24,7 +24,7 @@ pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
             let measured = labels().filter(is_pose).count();
             let planned = measured + missing.iter().copied().filter(is_pose).count();
             let poses = match session.settings.until.enabled {
-                // How many there will be is decided pose by pose.
+                // The total number is not known beforehand.
                 true => count(measured, "pose"),
                 false => format!("{measured} of {planned} poses"),
             };

@@ -1,4 +1,4 @@
-//! How far each phase is, in one line.
+//! State of each phase, in one line.
 
 mod adjustment;
 mod measuring;
@@ -8,7 +8,7 @@ mod precalibration;
 pub use self::modeling::{elongation, pulleys, tolerances};
 pub use self::precalibration::{force_sensors, home, winches};
 
-use super::open_session::Stored;
+use super::open_session::StoredFit;
 use super::phase::{Phase, PhaseStatus, Progress};
 use super::{Model, OpenSession, findings};
 use tautline_workflow::identification::FitVerdict;
@@ -28,9 +28,9 @@ pub fn of(model: &Model, open: &OpenSession, step: Phase) -> PhaseStatus {
 fn identification(open: &OpenSession) -> PhaseStatus {
     let Some(fit) = open.fit() else {
         return match open.stored() {
-            Stored::None => PhaseStatus::new(Progress::NotStarted, "not identified"),
-            Stored::Current => PhaseStatus::new(Progress::InProgress, "identifying again"),
-            Stored::OutOfDate => PhaseStatus::new(Progress::OutOfDate, "data changed since"),
+            StoredFit::None => PhaseStatus::new(Progress::NotStarted, "not identified"),
+            StoredFit::Current => PhaseStatus::new(Progress::InProgress, "identifying again"),
+            StoredFit::OutOfDate => PhaseStatus::new(Progress::OutOfDate, "data changed since"),
         };
     };
     if !open.fit_is_current() {

@@ -1,4 +1,4 @@
-//! How far the parts of phase 2 are.
+//! State of the parts of phase 2.
 
 use tautline_core::robot::PartTolerances;
 use tautline_workflow::wording::count;
@@ -7,7 +7,7 @@ use super::precalibration::begun;
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
 
-/// The elongation of the cables, on which the phase depends.
+/// Elongation of the cables, which the phase needs.
 #[must_use]
 pub fn elongation(open: &OpenSession) -> PhaseStatus {
     let calibration = open.calibration();

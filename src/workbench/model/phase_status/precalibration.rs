@@ -1,11 +1,11 @@
-//! How far the parts of phase 1 are.
+//! State of the parts of phase 1.
 
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, HomeAverage, WINCH_RESIDUAL_LIMIT_M};
 
 use crate::model::phase::{PhaseStatus, Progress};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal};
 
-/// The whole phase: its part that is furthest from done, among those that were begun.
+/// The whole phase: among the parts begun, the one that is furthest from done.
 #[must_use]
 pub fn whole(calibration: &Calibration) -> PhaseStatus {
     let parts = [
@@ -41,7 +41,7 @@ pub fn force_sensors(calibration: &Calibration) -> PhaseStatus {
     share(passed, noun, &limit, &calibration.with_force_sensors)
 }
 
-/// The home platform.
+/// Home platform.
 #[must_use]
 pub fn home(calibration: &Calibration) -> PhaseStatus {
     let fit = match &calibration.home {
@@ -71,7 +71,7 @@ fn home_line(average: &HomeAverage) -> String {
     format!("home pose to {:.2} mm", worst_m * 1e3)
 }
 
-/// How many passed, of how many.
+/// Number of fits that pass, and of all fits.
 fn passed<T>(fits: &[PerCable<T>], passes: impl Fn(&T) -> bool) -> [usize; 2] {
     let good = |one: &&PerCable<T>| one.fit.as_ref().is_ok_and(&passes);
     [fits.iter().filter(good).count(), fits.len()]
@@ -94,7 +94,7 @@ fn share(
     begun(line, proposal)
 }
 
-/// Good values are done once the robot has them.
+/// Passed values are done once they are applied to the robot.
 pub(super) fn begun(line: String, proposal: &Proposal) -> PhaseStatus {
     if proposal.is_used {
         PhaseStatus::new(Progress::Done, line)

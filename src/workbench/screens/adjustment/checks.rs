@@ -1,4 +1,4 @@
-//! The checklist of the phase.
+//! Checklist of the phase Adjustment.
 
 use egui::{Align, Label, Layout, RichText, Ui};
 use egui_material_icons::{MaterialIcon, icons};

@@ -1,4 +1,4 @@
-//! The identified values in the user's file for a firmware or a simulator: what changes, and what the file cannot express.
+//! Correction of the user's firmware or simulator file: changed values, and effects that the file cannot express.
 
 use egui::Ui;
 use egui_material_icons::icons;
@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::model::command::{
     CorrectedFile, FileCorrection, Outbox, PlotCommand, PlotFile, RobotCommand,
 };
-use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+use crate::widgets::{Cell, TableColumn, Verdict, icon_button, muted, section, table, verdict};
 
 pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     section(ui, "Firmware or simulator");
@@ -50,11 +50,11 @@ pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 
 fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
     let columns = [
-        Column::words("Value"),
-        Column::number("Old", ""),
-        Column::number("New", ""),
-        Column::number("±", ""),
-        Column::words("Unit"),
+        TableColumn::words("Value"),
+        TableColumn::number("Old", ""),
+        TableColumn::number("New", ""),
+        TableColumn::number("±", ""),
+        TableColumn::words("Unit"),
     ];
     let values = corrected.written.values.iter();
     let rows: Vec<Vec<Cell>> = values

@@ -1,4 +1,4 @@
-//! Panel of the phase Adjustment: controller values beside identified ones, writing, verifying.
+//! Panel of the phase Adjustment: controller values beside identified ones, writing, verification.
 
 mod checks;
 mod firmware;
@@ -28,17 +28,17 @@ use tautline_workflow::wording::sentence;
 
 pub(crate) use table::lines;
 
-/// Accuracy before and after, the error (m) that the identification predicts, and their plot; or what is wrong with the rows.
+/// Accuracy before and after, the error (m) predicted by the identification, and their plot; or an error of the rows.
 type Figures = Result<(Vec<Figure>, Option<f64>, figure::Figure), String>;
 
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// Whether parameters that stay as they are are shown as well.
+    /// Whether unchanged parameters are shown as well.
     all: bool,
     figures: Memo<(u64, u64, bool), Figures>,
-    /// The pose that is typed at a target.
-    typed: typed::Typed,
+    /// Pose typed at a target.
+    typed: typed::TargetPoseInput,
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -73,14 +73,18 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     reveal::show(ui, model, outbox);
 }
 
-/// Warns of values that must not be written: they can make the robot worse.
+/// Warns against values that could make the robot less accurate.
 fn doubt(ui: &mut Ui, model: &Model, open: &OpenSession) {
-    if let Some(sign) = of_values(model, open) {
-        verdict(ui, Verdict::Bad, &format!("{} {}", sign.text, sign.then));
+    if let Some(problem) = of_values(model, open) {
+        verdict(
+            ui,
+            Verdict::Bad,
+            &format!("{} {}", problem.text, problem.then),
+        );
     }
 }
 
-/// Says what is missing.
+/// Names the missing poses or identification.
 fn missing(ui: &mut Ui, open: &OpenSession) {
     let text = if open.session().measurements.is_empty() {
         "Nothing is identified: no poses are measured yet."
@@ -186,7 +190,7 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
     }
 }
 
-/// Offers the values of a model that the controller can hold.
+/// Offers the values of a model that the controller can store.
 pub(crate) fn identify_without(ui: &mut Ui, review: &Review, outbox: &mut Outbox) -> bool {
     let is_wanted = ui
         .button("Identify for this controller")

@@ -1,4 +1,4 @@
-//! History of adjustments: who, when, what.
+//! Record of the adjustments: operator, time, outcome.
 
 use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};

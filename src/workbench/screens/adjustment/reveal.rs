@@ -1,4 +1,4 @@
-//! The hidden fault of a demonstration beside what was found.
+//! Hidden fault of a demonstration beside the findings.
 
 use egui::Ui;
 use tautline_core::effect::{BoundEffect, EffectSetting};
@@ -77,7 +77,7 @@ fn same(a: &EffectSetting, b: &EffectSetting) -> bool {
     a.effect == b.effect && a.targets == b.targets
 }
 
-/// The cause in words, with its size.
+/// Cause in words, with its size.
 fn words(robot: &Robot, setting: &EffectSetting) -> String {
     BoundEffect::from_setting(setting, robot)
         .map_or_else(|error| error.to_string(), |bound| bound.cause(robot))

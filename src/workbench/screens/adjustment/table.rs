@@ -9,21 +9,21 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, Touched, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, TableResponse, checkbox, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
-/// Columns; the unit has its own, because that of an effect can be any.
-const COLUMNS: [Column<'static>; 6] = [
-    Column::words("Parameter"),
-    Column::number("Controller", ""),
-    Column::number("Identified", ""),
-    Column::number("Difference", ""),
-    Column::number("±", ""),
-    Column::words("Unit"),
+/// Columns. The unit has its own column, because effects have various units.
+const COLUMNS: [TableColumn<'static>; 6] = [
+    TableColumn::words("Parameter"),
+    TableColumn::number("Controller", ""),
+    TableColumn::number("Identified", ""),
+    TableColumn::number("Difference", ""),
+    TableColumn::number("±", ""),
+    TableColumn::words("Unit"),
 ];
 
-/// Draws the table; parameters that stay as they are only where they are asked for.
+/// Draws the table; unchanged parameters only on request.
 pub(super) fn show(
     ui: &mut Ui,
     model: &Model,
@@ -55,12 +55,12 @@ pub(super) fn show(
     }
 }
 
-/// Draws a line for each parameter.
+/// Draws a row for each parameter.
 pub(crate) fn lines<'a>(
     ui: &mut Ui,
     lines: impl Iterator<Item = &'a Difference>,
     cables: &[Cable],
-) -> Touched {
+) -> TableResponse {
     let lines: Vec<&Difference> = lines.collect();
     let rows: Vec<Vec<Cell>> = lines.iter().map(|line| row(ui, line, cables)).collect();
     let touched = table(ui, &COLUMNS, &rows, None);
@@ -113,7 +113,7 @@ fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
     ]
 }
 
-/// Decimals such that the standard deviation has two digits.
+/// Number of decimals at which the standard deviation has two digits.
 fn decimals(sd: Option<f64>, unit: Option<&str>) -> usize {
     let usual = match unit {
         None => 0,

@@ -1,4 +1,4 @@
-//! Input of the platform's pose at a target, for an instrument that the operator reads.
+//! Input of the platform's pose at a target, read by the operator from an instrument.
 
 use egui::{Key, RichText, Ui};
 use nalgebra::Vector3;
@@ -11,11 +11,11 @@ use crate::theme;
 use crate::widgets::{PoseFields, Verdict, muted, primary, verdict};
 use tautline_workflow::wording::units::mm;
 
-/// A position this far from the target may be a slip of the keys (m).
+/// Distance from the target (m) above which the typed position may be a typing error.
 const FAR_M: f64 = 0.1;
 
 #[derive(Debug, Default)]
-pub struct Typed {
+pub struct TargetPoseInput {
     number: Option<usize>,
     pose: PoseFields,
     sent: bool,
@@ -25,7 +25,7 @@ pub(super) fn forget(panel: &mut PanelState) {
     panel.typed.number = None;
 }
 
-/// Asks where the platform is at a target.
+/// Asks for the pose of the platform at a target.
 pub(super) fn show(
     ui: &mut Ui,
     model: &Model,
@@ -41,9 +41,9 @@ pub(super) fn show(
     let memory = &mut panel.typed;
     let is_new = memory.number != Some(number);
     if is_new {
-        *memory = Typed {
+        *memory = TargetPoseInput {
             number: Some(number),
-            ..Typed::default()
+            ..TargetPoseInput::default()
         };
     }
     let title = format!("Where is the platform at {name}?");

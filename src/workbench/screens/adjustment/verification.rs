@@ -7,12 +7,12 @@ use tautline_session::Stage;
 use super::typed;
 use super::{Figures, PanelState};
 use crate::model::command::{Export, FileCommand, Outbox, RobotCommand};
-use crate::model::link::Doing;
+use crate::model::link::RunStep;
 use crate::model::{Model, OpenSession};
 use crate::screens::measuring::motion;
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
-use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+use crate::widgets::{Cell, TableColumn, Verdict, icon_button, muted, section, table, verdict};
 use tautline_workflow::accuracy::{
     Figure, before_and_after, plot_of_errors, predicted_m, result_in_words,
 };
@@ -101,12 +101,12 @@ pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outb
     motion::position(ui, model);
     motion::tensions(ui, model);
     match model.link.live().doing {
-        Doing::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
+        RunStep::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
         _ => typed::forget(panel),
     }
 }
 
-/// Asks to which run an imported table belongs.
+/// Asks which run an imported table belongs to.
 fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;
@@ -133,7 +133,7 @@ fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// Draws what the adjustment has changed; a robot that is worse is an error if the controller holds the values.
+/// Draws the effect of the adjustment on the accuracy; a loss is an error if the controller holds the new values.
 pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is_held: bool) {
     let Ok((figures, predicted_m, plot)) = figures(open, panel) else {
         return;
@@ -167,10 +167,10 @@ fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
 
 fn show_figures(ui: &mut Ui, lines: &[Figure]) {
     let columns = [
-        Column::words("Characteristic"),
-        Column::number("Before", "mm"),
-        Column::number("After", "mm"),
-        Column::number("Improvement", "%"),
+        TableColumn::words("Characteristic"),
+        TableColumn::number("Before", "mm"),
+        TableColumn::number("After", "mm"),
+        TableColumn::number("Improvement", "%"),
     ];
     let palette = theme::of(ui);
     let millimetres =

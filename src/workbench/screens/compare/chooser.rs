@@ -1,4 +1,4 @@
-//! The two sessions at the top: chosen by path, dialog, or from those that are known.
+//! Choice of the two sessions: by path, file dialog, or from a list.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use tautline_session::{Session, Timestamp};
 use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
-use crate::model::comparison::{Side, Source};
+use crate::model::comparison::{SessionSource, Side};
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button, named, path_field};
 use tautline_workflow::report::ReportFormat;
@@ -78,12 +78,12 @@ fn chosen(
     ui: &mut Ui,
     model: &Model,
     path: &mut String,
-    (side, source): (Side, &Source),
+    (side, source): (Side, &SessionSource),
     outbox: &mut Outbox,
 ) {
     if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {
-        // The path stays to be changed.
-        if let Source::File(chosen) = source {
+        // The path remains, for editing.
+        if let SessionSource::File(chosen) = source {
             *path = chosen.display().to_string();
         }
         outbox.send(CompareCommand::Clear(side));
@@ -94,13 +94,15 @@ fn chosen(
     };
     let open = model.open.as_ref().map(|open| open.session());
     let known = run.map(|run| (&run.name, run.measured, run.fit.dataset.robot.label()));
-    let known = known.or(open.filter(|_| *source == Source::Open).map(identity));
+    let known = known.or(open
+        .filter(|_| *source == SessionSource::Open)
+        .map(identity));
     if let Some((name, ..)) = known {
         ui.label(RichText::new(name).font(theme::strong(13.0)));
     }
     let place = match source {
-        Source::Open => "the open session".to_owned(),
-        Source::File(path) => path.display().to_string(),
+        SessionSource::Open => "the open session".to_owned(),
+        SessionSource::File(path) => path.display().to_string(),
     };
     let place = match known {
         Some((_, measured, robot)) => {
@@ -132,7 +134,7 @@ fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox
         &format!("Use {name}"),
     );
     if (take.clicked() || entered) && typed {
-        let source = Source::File(PathBuf::from(path.trim()));
+        let source = SessionSource::File(PathBuf::from(path.trim()));
         outbox.send(CompareCommand::Choose(side, source));
     }
     let browse = icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true);
@@ -145,7 +147,7 @@ fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox
     named(menu.response, &format!("Known sessions for {name}"));
 }
 
-/// The open session, recent ones and samples.
+/// Menu of the open session, recent ones and samples.
 fn known(
     ui: &mut Ui,
     model: &Model,
@@ -159,15 +161,15 @@ fn known(
     let open = model.open.iter().map(|open| {
         let (name, measured, robot) = identity(open.session());
         let facts = session_facts(measured, Some(&robot), None, open.path());
-        (name.clone(), format!("open, {facts}"), Source::Open)
+        (name.clone(), format!("open, {facts}"), SessionSource::Open)
     });
     let recent = recent.map(|recent| {
-        let source = Source::File(recent.path().to_owned());
+        let source = SessionSource::File(recent.path().to_owned());
         (recent.name.clone(), recent_facts(recent), source)
     });
     let samples = samples.iter().filter(|sample| !sample.is_record);
     let samples = samples.map(|sample| {
-        let source = Source::File(sample.session.clone());
+        let source = SessionSource::File(sample.session.clone());
         (sample.title.clone(), "sample".to_owned(), source)
     });
     let all: Vec<_> = open.chain(recent).chain(samples).collect();
@@ -176,8 +178,8 @@ fn known(
     }
     for (name, facts, source) in all {
         let place = match &source {
-            Source::File(path) => path.display().to_string(),
-            Source::Open => String::new(),
+            SessionSource::File(path) => path.display().to_string(),
+            SessionSource::Open => String::new(),
         };
         let button = Button::new(&name).shortcut_text(facts);
         if ui.add(button).on_hover_text(place).clicked() {

@@ -1,4 +1,4 @@
-//! Two sessions side by side: have pulleys moved, or is it noise?
+//! Comparison of two sessions: have pulleys moved, or is the difference noise?
 
 mod chooser;
 mod others;
@@ -9,13 +9,13 @@ use std::sync::Arc;
 use egui::{CentralPanel, Panel, ScrollArea, Spinner, Ui};
 
 use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
-use crate::model::comparison::{Compared, Source};
-use crate::model::part::Part;
+use crate::model::comparison::{Compared, SessionSource};
+use crate::model::part::ScreenPart;
 use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
 use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
-use crate::views::robot_3d::scene::{Scene, Subject};
+use crate::views::robot_3d::scene::{Scene, SceneInputs};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{Verdict, empty, muted, one_part, panel_frame, section, verdict};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
@@ -25,21 +25,21 @@ use tautline_workflow::samples::Sample;
 #[derive(Debug, Default)]
 pub struct PanelState {
     paths: [String; 2],
-    /// Sample sessions that are there; looked up once.
+    /// Available sample sessions, looked up once.
     samples: Option<Vec<Sample>>,
-    /// What a small window shows.
-    part: Part,
-    /// What was drawn last.
+    /// Part shown in a small window.
+    part: ScreenPart,
+    /// Comparison drawn last.
     drawn: Option<Drawn>,
 }
 
-/// A comparison as it is drawn.
+/// Comparison prepared for drawing.
 #[derive(Debug)]
 struct Drawn {
     compared: Arc<Compared>,
     /// Both geometries.
     scene: Arc<Scene>,
-    /// Residuals of the lengths of both.
+    /// Residuals of the cable lengths of both.
     residuals: Figure,
 }
 
@@ -47,9 +47,9 @@ impl Drawn {
     fn new(compared: &Arc<Compared>) -> Self {
         let fits = compared.runs.each_ref().map(|run| run.fit.as_ref());
         let [first, _] = fits;
-        let subject = Subject {
+        let subject = SceneInputs {
             fit: Some(first),
-            ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+            ..SceneInputs::new(&first.dataset.robot, &first.dataset.measurements)
         };
         Self {
             scene: Arc::new(subject.scene().compared(&compared.comparison)),
@@ -103,7 +103,7 @@ pub fn show(
     }
 }
 
-/// Everything beside each other.
+/// All parts side by side.
 fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
     let side = panel_frame(ui);
     Panel::right("differences")
@@ -119,23 +119,23 @@ fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbo
     CentralPanel::no_frame().show(ui, |ui| robots(ui, model, drawn, views, outbox));
 }
 
-/// One part at a time, where the window has no room for all of them.
+/// One part at a time, in a small window.
 fn compact(
     ui: &mut Ui,
     model: &Model,
     drawn: &Drawn,
-    (part, views): (&mut Part, &mut ViewStates),
+    (part, views): (&mut ScreenPart, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
     let parts = [
-        (Part::Panel, "Differences"),
-        (Part::Robot, "3D view"),
-        (Part::Plots, "Residuals"),
+        (ScreenPart::Panel, "Differences"),
+        (ScreenPart::Robot, "3D view"),
+        (ScreenPart::Plots, "Residuals"),
     ];
     one_part(ui, part, parts, |ui, part| match part {
-        Part::Panel => differences(ui, model, drawn, views, outbox),
-        Part::Robot => robots(ui, model, drawn, views, outbox),
-        Part::Plots => residuals(ui, model, drawn, outbox),
+        ScreenPart::Panel => differences(ui, model, drawn, views, outbox),
+        ScreenPart::Robot => robots(ui, model, drawn, views, outbox),
+        ScreenPart::Plots => residuals(ui, model, drawn, outbox),
     });
 }
 
@@ -144,7 +144,7 @@ fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, out
     show_beside(ui, &drawn.scene, model.selection, view, outbox);
 }
 
-/// The panel at the right: the verdict, then everything that differs.
+/// Panel on the right: the verdict, then all differences.
 fn differences(
     ui: &mut Ui,
     model: &Model,
@@ -185,7 +185,7 @@ fn differences(
 fn is_outdated(model: &Model, compared: &Compared) -> bool {
     let inputs = model.open.as_ref().map(OpenSession::inputs);
     let mut runs = compared.runs.iter();
-    runs.any(|run| run.source == Source::Open && run.inputs != inputs)
+    runs.any(|run| run.source == SessionSource::Open && run.inputs != inputs)
 }
 
 fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {

@@ -1,4 +1,4 @@
-//! What is compared besides the pulleys: the motion that all have in common, target plane, home pose, effects, fits.
+//! Differences besides the pulleys: common rigid motion, target plane, home pose, effects, fits.
 
 use egui::Ui;
 use tautline_core::comparison::{Comparison, ScalarDifference, Test};
@@ -7,7 +7,7 @@ use tautline_core::effect::find;
 use super::pulleys::verdict_cell;
 use crate::model::comparison::Compared;
 use crate::theme;
-use crate::widgets::{Cell, Column, muted, section, table};
+use crate::widgets::{Cell, TableColumn, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
@@ -28,15 +28,15 @@ fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
     verdict_cell(ui, differs, "different")
 }
 
-const SIDE_BY_SIDE: [Column<'_>; 5] = [
-    Column::words("Quantity"),
-    Column::number("A", ""),
-    Column::number("B", ""),
-    Column::number("Difference ± standard deviation", ""),
-    Column::words("Verdict"),
+const SIDE_BY_SIDE: [TableColumn<'_>; 5] = [
+    TableColumn::words("Quantity"),
+    TableColumn::number("A", ""),
+    TableColumn::number("B", ""),
+    TableColumn::number("Difference ± standard deviation", ""),
+    TableColumn::words("Verdict"),
 ];
 
-/// A quantity in both sessions.
+/// Quantity in both sessions.
 fn side_by_side(
     ui: &Ui,
     compared: &Comparison,
@@ -87,9 +87,9 @@ fn plane(ui: &mut Ui, compared: &Comparison) {
     table(ui, &SIDE_BY_SIDE, &[row], None);
 }
 
-const CHANGES: [Column<'_>; 2] = [
-    Column::words("Coordinate"),
-    Column::number("B less A ± standard deviation", ""),
+const CHANGES: [TableColumn<'_>; 2] = [
+    TableColumn::words("Coordinate"),
+    TableColumn::number("B minus A ± standard deviation", ""),
 ];
 
 fn motion(ui: &mut Ui, compared: &Comparison) {
@@ -111,7 +111,7 @@ fn motion(ui: &mut Ui, compared: &Comparison) {
     muted(
         ui,
         &format!(
-            "{told}It is no change of the robot: each session counts from its own home pose. It is taken out above."
+            "{told}Not a change of the robot: each session counts from its own home pose. It is removed above."
         ),
     );
     let sd = |k: usize| motion.covariance[(k, k)].max(0.0).sqrt();
@@ -155,10 +155,10 @@ fn home(ui: &mut Ui, compared: &Comparison) {
 fn fits(ui: &mut Ui, compared: &Compared) {
     section(ui, "How well each session is explained");
     let columns = [
-        Column::words("Session"),
-        Column::number("Poses", ""),
-        Column::number("Residuals over noise", ""),
-        Column::words("Verdict"),
+        TableColumn::words("Session"),
+        TableColumn::number("Poses", ""),
+        TableColumn::number("Residuals over noise", ""),
+        TableColumn::words("Verdict"),
     ];
     let named = compared.runs.iter().zip(["A", "B"]);
     let rows = named.map(|(run, name)| {

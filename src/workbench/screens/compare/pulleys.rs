@@ -1,4 +1,4 @@
-//! The pulleys: how far apart they are, and whether that is noise.
+//! Differences of the pulleys and their significance.
 
 use egui::Ui;
 use egui_material_icons::icons;
@@ -8,26 +8,26 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, Selection};
 use crate::screens::bench_panel::decimals_for;
 use crate::theme;
-use crate::widgets::{Cell, Column, muted, section, table};
+use crate::widgets::{Cell, TableColumn, muted, section, table};
 use tautline_workflow::comparison::common_motion;
 use tautline_workflow::wording::units::mm;
 
-/// Draws the part; gives the cable that was clicked.
+/// Draws the part; returns the clicked cable.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
     compared: &Comparison,
     outbox: &mut Outbox,
 ) -> Option<usize> {
-    section(ui, "Pulleys, B less A");
+    section(ui, "Pulleys, B minus A");
     let columns = [
-        Column::words("Cable"),
-        Column::number("x", "mm"),
-        Column::number("y", "mm"),
-        Column::number("z", "mm"),
-        Column::number("Distance ±", "mm"),
-        Column::words("Verdict"),
-        Column::words("Chance"),
+        TableColumn::words("Cable"),
+        TableColumn::number("x", "mm"),
+        TableColumn::number("y", "mm"),
+        TableColumn::number("z", "mm"),
+        TableColumn::number("Distance ±", "mm"),
+        TableColumn::words("Verdict"),
+        TableColumn::words("Chance"),
     ];
     let decimals = decimals(compared);
     let pulleys = compared.pulleys.iter().enumerate();
@@ -53,7 +53,7 @@ pub fn show(
     touched.clicked
 }
 
-/// Decimals for all: those of the most exact pulley.
+/// Number of decimals for all pulleys, from the most precise one.
 fn decimals(compared: &Comparison) -> usize {
     let sds = compared.pulleys.iter().map(|pulley| {
         let shown = pulley.relative.unwrap_or(pulley.raw);
@@ -62,7 +62,7 @@ fn decimals(compared: &Comparison) -> usize {
     decimals_for(sds.fold(f64::INFINITY, f64::min), 1, 3)
 }
 
-/// How often chance makes such a difference, as short as it fits a table.
+/// Probability of such a difference by chance, short enough for a table.
 fn chance(test: Test) -> String {
     match test.p_corrected {
         p if p < 1e-6 => "under 1 in a million".to_owned(),

@@ -1,4 +1,4 @@
-//! What is typed into the connection dialog, and the settings that it makes.
+//! Input of the connection dialog, and the settings made from it.
 
 use std::path::Path;
 
@@ -12,23 +12,23 @@ use tautline_session::{
 
 use super::laser::LaserDraft;
 use super::names::{Names, default_names};
-use super::problems::{Field, Part, Problems};
+use super::problems::{DialogTab, FieldId, Problems};
 use crate::model::command::{Setup, UserFile};
 use crate::widgets::parse_number;
 
-/// What the session has at present.
+/// Present settings of the session.
 #[derive(Debug, Clone)]
-pub struct Present {
+pub struct PresentSettings {
     pub robot: Robot,
-    /// How its controller is reached.
+    /// Connection to its controller.
     pub connection: Connection,
-    /// Where the laser distance comes from.
+    /// Source of the laser distance.
     pub laser: LaserSettings,
-    /// Whether its simulated robot is that of a demonstration.
+    /// Whether its simulated robot belongs to a demonstration.
     pub is_demo: bool,
 }
 
-impl Present {
+impl PresentSettings {
     #[must_use]
     pub fn of(session: &Session) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Present {
     }
 }
 
-/// How a user signs in at a server.
+/// Authentication at a server.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SignIn {
     #[default]
@@ -61,9 +61,9 @@ impl SignIn {
 
 #[derive(Debug)]
 pub struct Draft {
-    /// Id of the session that it belongs to.
+    /// Id of its session.
     pub session_id: u64,
-    pub part: Part,
+    pub part: DialogTab,
     pub kind: ControllerKind,
     pub folder: String,
     pub speed: String,
@@ -80,9 +80,9 @@ pub struct Draft {
     pub policy: Option<OpcUaPolicy>,
     pub sign_in: SignIn,
     pub user: String,
-    /// Password of the user, which no settings have.
+    /// Password of the user, which is not part of the settings.
     pub password: Password,
-    /// Whether the password is kept on this computer.
+    /// Whether the password is stored on this computer.
     pub keeps_password: bool,
     /// Paths of the certificate of the user and of its private key.
     pub certificate: String,
@@ -91,16 +91,16 @@ pub struct Draft {
     ads: Names,
     nodes: Names,
     pub laser: LaserDraft,
-    /// The server that is not trusted, and whether it is connected once it is.
+    /// Untrusted server, and whether to connect once it is trusted.
     pub untrusted: Option<(Box<UntrustedServer>, bool)>,
-    /// Why connecting failed last.
+    /// Error of the last attempt to connect.
     pub refused: Option<String>,
-    /// Whether the window closes once there is a connection.
+    /// Whether the dialog closes once connected.
     pub connects: bool,
 }
 
 impl Draft {
-    /// The settings of a session, completed by those used last.
+    /// Settings of a session, completed by those used last.
     #[must_use]
     pub fn of(session: &Session, session_id: u64, reached: &LastConnection) -> Self {
         let connection = &session.connection;
@@ -120,7 +120,7 @@ impl Draft {
         let recording = connection.recording.as_ref();
         Self {
             session_id,
-            part: Part::default(),
+            part: DialogTab::default(),
             kind: connection.controller,
             folder: recording.map_or_else(String::new, |place| place.folder.clone()),
             speed: number(recording.map(|place| place.speed)),
@@ -157,11 +157,14 @@ impl Draft {
         }
     }
 
-    /// The settings that it makes, those of other kinds of controller as in the session.
+    /// Settings made from the input; those of other kinds of controller as in the session.
     ///
     /// # Errors
-    /// What is wrong with which field.
-    pub fn settings(&self, present: &Present) -> Result<(Connection, LaserSettings), Problems> {
+    /// Errors of the fields.
+    pub fn settings(
+        &self,
+        present: &PresentSettings,
+    ) -> Result<(Connection, LaserSettings), Problems> {
         let mut problems = Problems::default();
         let mut connection = present.connection.clone();
         connection.controller = self.kind;
@@ -186,12 +189,12 @@ impl Draft {
         }
     }
 
-    /// Takes custom names.
+    /// Sets custom names of symbols.
     pub fn use_symbols(&mut self, mapping: &SymbolMapping, robot: &Robot) {
         *self.names_mut() = Names::of(Some(mapping), mapping, robot);
     }
 
-    /// Names of the symbols of the chosen kind of controller.
+    /// Names of the symbols for the chosen kind of controller.
     pub fn names(&self) -> &Names {
         match self.kind {
             ControllerKind::OpcUa => &self.nodes,
@@ -208,27 +211,27 @@ impl Draft {
 
     fn recording(&self, problems: &mut Problems) -> Option<RecordingPlace> {
         let speed = parse_number(&self.speed);
-        let speed = problems.take(Field::Speed, speed)?;
+        let speed = problems.take(FieldId::Speed, speed)?;
         let place = RecordingPlace {
             folder: self.folder.trim().to_owned(),
             speed,
         };
-        let fields = [("/folder", Field::Folder), ("/speed", Field::Speed)];
+        let fields = [("/folder", FieldId::Folder), ("/speed", FieldId::Speed)];
         checked(place.check(), &fields, problems)?;
         Some(place)
     }
 
-    /// Where the controller is found.
+    /// Network location of an ADS controller.
     fn place(&self, problems: &mut Problems) -> Option<AdsPlace> {
         let host = self.host.trim().to_owned();
         if host.is_empty() {
             let text = "found nothing, expected the name or address of the controller, such as 192.168.0.5";
-            problems.add(Field::Host, text);
+            problems.add(FieldId::Host, text);
         }
-        let port = problems.take(Field::Port, port(&self.port));
-        let net_id = problems.take(Field::NetId, net_id(&self.net_id));
-        let ams_port = problems.take(Field::AmsPort, self::port(&self.ams_port));
-        let timeout_s = problems.take(Field::Timeout, parse_number(&self.timeout));
+        let port = problems.take(FieldId::Port, port(&self.port));
+        let net_id = problems.take(FieldId::NetId, net_id(&self.net_id));
+        let ams_port = problems.take(FieldId::AmsPort, self::port(&self.ams_port));
+        let timeout_s = problems.take(FieldId::Timeout, parse_number(&self.timeout));
         let place = AdsPlace {
             host,
             port: port?,
@@ -236,21 +239,21 @@ impl Draft {
             ams_port: ams_port?,
             timeout_s: timeout_s?,
         };
-        let fields = [("/host", Field::Host), ("/timeout_s", Field::Timeout)];
-        if problems.of(Field::Host).is_none() {
+        let fields = [("/host", FieldId::Host), ("/timeout_s", FieldId::Timeout)];
+        if problems.of(FieldId::Host).is_none() {
             checked(place.check(), &fields, problems)?;
         }
         Some(place)
     }
 
-    /// The password, if one was typed for the user.
+    /// Typed password, if the user signs in with one.
     #[must_use]
     pub fn password(&self) -> Option<Password> {
         let has_one = self.sign_in == SignIn::Name && !self.password.is_empty();
         has_one.then(|| self.password.clone())
     }
 
-    /// The command that takes the password; it is kept only if it was typed.
+    /// Command that sets the password; it is stored only if it was typed.
     #[must_use]
     pub fn use_password(&self) -> Setup {
         let password = self.password();
@@ -260,14 +263,14 @@ impl Draft {
         }
     }
 
-    /// The user whose password may be stored, as far as the fields say.
+    /// User whose password may be stored, as far as known.
     #[must_use]
     pub fn account(&self) -> Option<Account> {
         let place = self.opcua(&mut Problems::default())?;
         OpcUaAddress::from(&place).account()
     }
 
-    /// Fills in the path of a file of the user.
+    /// Sets the path of a user's file.
     pub fn set_user_file(&mut self, which: UserFile, path: &Path) {
         let field = match which {
             UserFile::Certificate => &mut self.certificate,
@@ -278,10 +281,10 @@ impl Draft {
 
     fn opcua(&self, problems: &mut Problems) -> Option<OpcUaPlace> {
         let address = self.url.trim().parse::<OpcUaAddress>();
-        let address = problems.take(Field::Url, address.map_err(|error| error.to_string()));
-        let timeout_s = problems.take(Field::UrlTimeout, parse_number(&self.url_timeout));
+        let address = problems.take(FieldId::Url, address.map_err(|error| error.to_string()));
+        let timeout_s = problems.take(FieldId::UrlTimeout, parse_number(&self.url_timeout));
         let place = address?.place(timeout_s?);
-        // The user of an address is the only one.
+        // A user in the address takes precedence.
         let sign_in = match SignIn::of(&place) {
             SignIn::Anonymous => self.sign_in,
             _ => SignIn::Anonymous,
@@ -292,7 +295,7 @@ impl Draft {
             key: self.key.trim().to_owned(),
         };
         let user_certificate = (sign_in == SignIn::Certificate).then(|| files().absolute());
-        // What an address says comes before the other fields, so that one that was copied from elsewhere holds.
+        // The address takes precedence over the other fields, so that a copied address is complete.
         let place = OpcUaPlace {
             security: place.security.or(self.security),
             policy: place.policy.or(self.policy),
@@ -301,26 +304,26 @@ impl Draft {
             ..place
         };
         let fields = [
-            ("/host", Field::Url),
-            ("/policy", Field::Policy),
-            ("/user", Field::User),
-            ("/user_certificate/certificate", Field::UserCertificate),
-            ("/user_certificate/key", Field::UserKey),
-            ("/timeout_s", Field::UrlTimeout),
+            ("/host", FieldId::Url),
+            ("/policy", FieldId::Policy),
+            ("/user", FieldId::User),
+            ("/user_certificate/certificate", FieldId::UserCertificate),
+            ("/user_certificate/key", FieldId::UserKey),
+            ("/timeout_s", FieldId::UrlTimeout),
         ];
         checked(place.check(), &fields, problems)?;
         Some(place)
     }
 }
 
-/// The address alone; the rest has fields of its own.
+/// Address only; the rest has separate fields.
 fn url_of(place: &OpcUaPlace) -> String {
     OpcUaAddress::from(place).url()
 }
 
 fn checked(
     result: Result<(), FieldError>,
-    fields: &[(&str, Field)],
+    fields: &[(&str, FieldId)],
     problems: &mut Problems,
 ) -> Option<()> {
     let error = match result {
@@ -328,21 +331,21 @@ fn checked(
         Err(error) => error,
     };
     let found = fields.iter().find(|(at, _)| *at == error.pointer);
-    let field = found.map_or(Field::Host, |(_, field)| *field);
+    let field = found.map_or(FieldId::Host, |(_, field)| *field);
     problems.add(field, error.message);
     None
 }
 
-/// A port.
+/// Parses a port number.
 ///
 /// # Errors
-/// What was found and what was expected.
+/// If the text is not a port number; the message states what was found and expected.
 pub fn port(text: &str) -> Result<u16, String> {
     let number = text.trim().parse().ok().filter(|port| *port != 0);
     number.ok_or_else(|| format!("found \"{text}\", expected a number from 1 to 65535"))
 }
 
-/// Six numbers with points between them.
+/// Six numbers separated by points.
 fn net_id(text: &str) -> Result<[u8; 6], String> {
     let numbers: Option<Vec<u8>> = text
         .trim()
@@ -425,7 +428,7 @@ mod tests {
             session.connection.opcua.clone().expect("it"),
         ] {
             session.connection.opcua = Some(place);
-            let settings = draft(&session).settings(&Present::of(&session));
+            let settings = draft(&session).settings(&PresentSettings::of(&session));
             assert_eq!(settings.expect("settings").0, session.connection);
         }
         for kind in [
@@ -436,7 +439,7 @@ mod tests {
         ] {
             session.connection.controller = kind;
             let settings = draft(&session)
-                .settings(&Present::of(&session))
+                .settings(&PresentSettings::of(&session))
                 .expect("settings");
             assert_eq!(settings.0, session.connection);
             assert_eq!(settings.1, session.laser_source);
@@ -449,42 +452,55 @@ mod tests {
         let mut draft = draft(&session);
         draft.kind = ControllerKind::Recording;
         let problems = draft
-            .settings(&Present::of(&session))
+            .settings(&PresentSettings::of(&session))
             .expect_err("no folder");
-        assert!(problems.of(Field::Folder).is_some());
+        assert!(problems.of(FieldId::Folder).is_some());
         draft.kind = ControllerKind::Ads;
         draft.net_id = "1.2.3".into();
         draft.port = "0".into();
         draft.timeout = "soon".into();
-        let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
-        for field in [Field::Host, Field::Port, Field::NetId, Field::Timeout] {
+        let problems = draft
+            .settings(&PresentSettings::of(&session))
+            .expect_err("wrong");
+        for field in [
+            FieldId::Host,
+            FieldId::Port,
+            FieldId::NetId,
+            FieldId::Timeout,
+        ] {
             let text = problems.of(field).expect("a problem");
             assert!(text.contains("expected"), "{text}");
         }
-        assert_eq!(problems.of(Field::AmsPort), None);
+        assert_eq!(problems.of(FieldId::AmsPort), None);
         draft.host = "plc".into();
         draft.net_id = "1.2.3.4.1.1".into();
         draft.port = "48898".into();
         draft.timeout = "2".into();
-        let (connection, _) = draft.settings(&Present::of(&session)).expect("settings");
+        let (connection, _) = draft
+            .settings(&PresentSettings::of(&session))
+            .expect("settings");
         assert_eq!(connection.place.map(|place| place.timeout_s), Some(2.0));
         assert_eq!(connection.ads, None, "the usual names");
         draft.kind = ControllerKind::OpcUa;
         draft.url = "plc:4840".into();
-        let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
-        let text = problems.of(Field::Url).expect("a problem");
+        let problems = draft
+            .settings(&PresentSettings::of(&session))
+            .expect_err("wrong");
+        let text = problems.of(FieldId::Url).expect("a problem");
         assert!(text.contains("expected opc.tcp://"), "{text}");
         draft.url = "opc.tcp://plc".into();
         for (sign_in, field, expected) in [
-            (SignIn::Name, Field::User, "the name of a user"),
+            (SignIn::Name, FieldId::User, "the name of a user"),
             (
                 SignIn::Certificate,
-                Field::UserCertificate,
+                FieldId::UserCertificate,
                 "the file with the certificate",
             ),
         ] {
             draft.sign_in = sign_in;
-            let problems = draft.settings(&Present::of(&session)).expect_err("empty");
+            let problems = draft
+                .settings(&PresentSettings::of(&session))
+                .expect_err("empty");
             let text = problems.of(field).expect("a problem");
             assert!(text.contains(expected), "{text}");
         }

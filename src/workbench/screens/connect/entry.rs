@@ -1,12 +1,12 @@
-//! What symbols are for, and where that is in a mapping.
+//! Purposes of symbols, and their places in a mapping.
 
 use tautline_session::{
     SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolPose, SymbolValue,
 };
 
-/// What a symbol is for.
+/// Purpose of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Need {
+pub enum SymbolRole {
     Revolutions,
     Force,
     Swivel,
@@ -25,12 +25,12 @@ pub enum Need {
     Acknowledged,
     Release,
     Watchdog,
-    /// A parameter by its place in the mapping.
+    /// Parameter, by its index in the mapping.
     Parameter(usize),
 }
 
-impl Need {
-    /// All but parameters, with what the operator reads and the unit that a scale of 1 stands for.
+impl SymbolRole {
+    /// All purposes except parameters, with their title and the unit for a scale of 1.
     pub const FIXED: [(Self, &'static str, &'static str); 18] = [
         (Self::Revolutions, "Motor revolutions", "revolutions"),
         (Self::Force, "Force readings", "N"),
@@ -53,7 +53,7 @@ impl Need {
     ];
 
     pub fn has_scale(self) -> bool {
-        use Need::{
+        use SymbolRole::{
             Force, Inclination, Laser, Parameter, Pose, Revolutions, Swivel, Target, Temperature,
             Time,
         };
@@ -80,7 +80,7 @@ impl Need {
     }
 }
 
-/// A command whose symbols are not known yet.
+/// Command without symbols.
 pub fn no_command() -> SymbolCommand {
     SymbolCommand {
         target: SymbolPose {
@@ -109,8 +109,8 @@ fn names_of(text: &str) -> SymbolNames {
     }
 }
 
-/// Name and scale of a need; nothing where the mapping does not have it.
-pub fn read(mapping: &SymbolMapping, need: Need) -> (String, Option<f64>) {
+/// Name and scale of a purpose; empty if the mapping does not have it.
+pub fn read(mapping: &SymbolMapping, need: SymbolRole) -> (String, Option<f64>) {
     let readings = &mapping.readings;
     let list = |s: &SymbolList| (text_of(&s.symbol), Some(s.scale));
     let lists = |s: &Option<SymbolList>| s.as_ref().map_or((String::new(), Some(1.0)), list);
@@ -129,32 +129,32 @@ pub fn read(mapping: &SymbolMapping, need: Need) -> (String, Option<f64>) {
         (name.unwrap_or_default(), None)
     };
     match need {
-        Need::Revolutions => list(&readings.revolutions),
-        Need::Force => lists(&readings.force),
-        Need::Swivel => lists(&readings.swivel),
-        Need::Laser => value(&readings.laser),
-        Need::LaserValid => name(&readings.laser_valid),
-        Need::Temperature => value(&readings.temperature),
-        Need::Time => value(&readings.time),
-        Need::Inclination => lists(&readings.inclination),
-        Need::Pose => pose(readings.pose.as_ref()),
-        Need::Moving => name(&mapping.state.moving),
-        Need::Fault => name(&mapping.state.fault),
-        Need::FaultText => name(&mapping.state.fault_text),
-        Need::Target => pose(command.map(|c| &c.target)),
-        Need::Kind => told(|c| &c.kind),
-        Need::Number => told(|c| &c.number),
-        Need::Acknowledged => told(|c| &c.acknowledged),
-        Need::Release => name(&mapping.release),
-        Need::Watchdog => name(&mapping.watchdog),
-        Need::Parameter(_) => (String::new(), None),
+        SymbolRole::Revolutions => list(&readings.revolutions),
+        SymbolRole::Force => lists(&readings.force),
+        SymbolRole::Swivel => lists(&readings.swivel),
+        SymbolRole::Laser => value(&readings.laser),
+        SymbolRole::LaserValid => name(&readings.laser_valid),
+        SymbolRole::Temperature => value(&readings.temperature),
+        SymbolRole::Time => value(&readings.time),
+        SymbolRole::Inclination => lists(&readings.inclination),
+        SymbolRole::Pose => pose(readings.pose.as_ref()),
+        SymbolRole::Moving => name(&mapping.state.moving),
+        SymbolRole::Fault => name(&mapping.state.fault),
+        SymbolRole::FaultText => name(&mapping.state.fault_text),
+        SymbolRole::Target => pose(command.map(|c| &c.target)),
+        SymbolRole::Kind => told(|c| &c.kind),
+        SymbolRole::Number => told(|c| &c.number),
+        SymbolRole::Acknowledged => told(|c| &c.acknowledged),
+        SymbolRole::Release => name(&mapping.release),
+        SymbolRole::Watchdog => name(&mapping.watchdog),
+        SymbolRole::Parameter(_) => (String::new(), None),
     }
 }
 
-/// Writes name and scale of a need into a mapping; the error names what is missing.
+/// Writes name and scale of a purpose into a mapping; the error names a missing part.
 pub fn write(
     mapping: &mut SymbolMapping,
-    need: Need,
+    need: SymbolRole,
     (symbol, scale): (&str, f64),
 ) -> Result<(), String> {
     let text = symbol.trim();
@@ -183,25 +183,25 @@ pub fn write(
     let name = || wanted.then(|| text.to_owned());
     let readings = &mut mapping.readings;
     match need {
-        Need::Revolutions if !wanted => return missing(),
-        Need::Revolutions => {
+        SymbolRole::Revolutions if !wanted => return missing(),
+        SymbolRole::Revolutions => {
             readings.revolutions.symbol = names_of(text);
             readings.revolutions.scale = scale;
         }
-        Need::Force => readings.force = list(&readings.force),
-        Need::Swivel => readings.swivel = list(&readings.swivel),
-        Need::Laser => readings.laser = value(&readings.laser),
-        Need::LaserValid => readings.laser_valid = name(),
-        Need::Temperature => readings.temperature = value(&readings.temperature),
-        Need::Time => readings.time = value(&readings.time),
-        Need::Inclination => readings.inclination = list(&readings.inclination),
-        Need::Pose => readings.pose = wanted.then(|| pose(readings.pose.as_ref())),
-        Need::Moving => mapping.state.moving = name(),
-        Need::Fault => mapping.state.fault = name(),
-        Need::FaultText => mapping.state.fault_text = name(),
-        Need::Release => mapping.release = name(),
-        Need::Watchdog => mapping.watchdog = name(),
-        Need::Target | Need::Kind | Need::Number | Need::Acknowledged => {
+        SymbolRole::Force => readings.force = list(&readings.force),
+        SymbolRole::Swivel => readings.swivel = list(&readings.swivel),
+        SymbolRole::Laser => readings.laser = value(&readings.laser),
+        SymbolRole::LaserValid => readings.laser_valid = name(),
+        SymbolRole::Temperature => readings.temperature = value(&readings.temperature),
+        SymbolRole::Time => readings.time = value(&readings.time),
+        SymbolRole::Inclination => readings.inclination = list(&readings.inclination),
+        SymbolRole::Pose => readings.pose = wanted.then(|| pose(readings.pose.as_ref())),
+        SymbolRole::Moving => mapping.state.moving = name(),
+        SymbolRole::Fault => mapping.state.fault = name(),
+        SymbolRole::FaultText => mapping.state.fault_text = name(),
+        SymbolRole::Release => mapping.release = name(),
+        SymbolRole::Watchdog => mapping.watchdog = name(),
+        SymbolRole::Target | SymbolRole::Kind | SymbolRole::Number | SymbolRole::Acknowledged => {
             let Some(command) = &mut mapping.command else {
                 return Ok(());
             };
@@ -209,13 +209,13 @@ pub fn write(
                 return missing();
             }
             match need {
-                Need::Target => command.target = pose(Some(&command.target)),
-                Need::Kind => command.kind = text.to_owned(),
-                Need::Number => command.number = text.to_owned(),
+                SymbolRole::Target => command.target = pose(Some(&command.target)),
+                SymbolRole::Kind => command.kind = text.to_owned(),
+                SymbolRole::Number => command.number = text.to_owned(),
                 _ => command.acknowledged = text.to_owned(),
             }
         }
-        Need::Parameter(k) => {
+        SymbolRole::Parameter(k) => {
             if let Some(parameter) = mapping.parameters.get_mut(k) {
                 parameter.symbol = text.to_owned();
                 parameter.scale = scale;
@@ -225,7 +225,7 @@ pub fn write(
     Ok(())
 }
 
-/// "{cable}.entry_point.x_m" as "Entry point x of every cable".
+/// Title of a parameter: "{cable}.entry_point.x_m" is "Entry point x of every cable".
 pub fn title_of(name: &str) -> String {
     let (whose, rest) = match name.strip_prefix("{cable}.") {
         Some(rest) => (" of every cable", rest),
@@ -238,7 +238,7 @@ pub fn title_of(name: &str) -> String {
     tautline_workflow::wording::sentence(&format!("{words}{whose}"))
 }
 
-/// The unit at the end of a parameter's name.
+/// Unit at the end of a parameter's name.
 pub fn unit_of(name: &str) -> &'static str {
     match name.rsplit('_').next() {
         Some("m") => "m",

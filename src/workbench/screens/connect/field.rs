@@ -1,25 +1,25 @@
-//! Fields with what is wrong with them.
+//! Fields with their errors.
 
 use egui::{RichText, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::problems::{Field, Problems};
+use super::problems::{FieldId, Problems};
 use crate::theme;
 use crate::widgets::{icon_button, muted};
 
 /// Width of a field (points).
 const WIDTH: f32 = 240.0;
 
-/// A line of a grid: name, field, and below that what is wrong.
-pub fn line(ui: &mut Ui, problems: &Problems, field: Field, text: &mut String) {
+/// Grid row: name, field, and below it the error.
+pub fn line(ui: &mut Ui, problems: &Problems, field: FieldId, text: &mut String) {
     edit(ui, field.names(), text, (problems.of(field), false), |_| ());
 }
 
-/// The same for the path of a file, with a button that asks for it; whether that was pressed.
+/// Grid row for the path of a file, with a button for a file dialog; returns whether it was pressed.
 pub fn file(
     ui: &mut Ui,
     problems: &Problems,
-    (field, choose): (Field, &str),
+    (field, choose): (FieldId, &str),
     text: &mut String,
 ) -> bool {
     edit(ui, field.names(), text, (problems.of(field), false), |ui| {
@@ -27,12 +27,12 @@ pub fn file(
     })
 }
 
-/// The same for a text that is not shown.
+/// Grid row for a hidden text, such as a password.
 pub fn secret(ui: &mut Ui, names: (&str, &str), text: &mut String) {
     edit(ui, names, text, (None, true), |_| ());
 }
 
-/// A line with what stands beside its field.
+/// Grid row with additional content beside the field.
 fn edit<T>(
     ui: &mut Ui,
     (name, hint): (&str, &str),
@@ -56,7 +56,7 @@ fn edit<T>(
             info.label = Some(name.to_owned());
             info
         });
-        // What is not typed yet is no mistake; the foot of the window says what is missing.
+        // An empty field is not an error; the footer of the dialog names what is missing.
         if let Some(problem) = problem.filter(|_| !text.trim().is_empty()) {
             let colour = theme::of(ui).bad;
             let sentence = tautline_workflow::wording::sentence(&format!("{problem}."));
@@ -69,7 +69,7 @@ fn edit<T>(
     shown.inner
 }
 
-/// A name and what belongs to it, in one line.
+/// Name and text in one line.
 pub fn labelled(ui: &mut Ui, name: &str, text: &str) {
     ui.horizontal_wrapped(|ui| {
         muted(ui, name);

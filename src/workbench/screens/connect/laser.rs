@@ -1,4 +1,4 @@
-//! The laser: from where its distance comes, and what arrives at this moment.
+//! Laser: source of its distance, and live test.
 
 use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 use tautline_link::laser::serial_ports;
@@ -6,7 +6,7 @@ use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 
 use super::draft::port;
 use super::field::{labelled, line};
-use super::problems::{Field, Problems};
+use super::problems::{FieldId, Problems};
 use super::test_line::{LaserTest, TestLine};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, choice, muted, section, verdict};
@@ -15,13 +15,13 @@ use crate::widgets::{Verdict, choice, muted, section, verdict};
 pub enum LaserFrom {
     Controller,
     Manual,
-    /// A device in the network.
+    /// Device in the network.
     Network,
-    /// A device at a serial port.
+    /// Device at a serial port.
     Serial,
 }
 
-/// What is typed about the laser.
+/// Input for the laser.
 #[derive(Debug)]
 pub struct LaserDraft {
     pub from: LaserFrom,
@@ -32,15 +32,15 @@ pub struct LaserDraft {
     pattern: String,
     no_return: String,
     command: String,
-    /// Everything of a device that sends lines, also what the window does not show.
+    /// All settings of a line-based device, including those not shown.
     base: LineLaserSettings,
-    /// Serial ports of this computer, once they were looked for.
+    /// Serial ports of this computer, once looked up.
     ports: Option<Vec<String>>,
     test: Option<TestLine>,
 }
 
 impl LaserDraft {
-    /// The settings of a session; of a device that it does not have those that were used last.
+    /// Settings of a session; for a device that it lacks, those used last.
     #[must_use]
     pub fn of(settings: &LaserSettings, last: &LaserSettings) -> Self {
         let usual = LineLaserSettings::new(LaserPort::serial(String::new()));
@@ -89,12 +89,12 @@ impl LaserDraft {
         }
     }
 
-    /// Ends trying the laser, which is free for a connection after this.
+    /// Ends the test, so that the laser is free for a connection.
     pub fn release(&mut self) {
         self.test = None;
     }
 
-    /// The settings that it makes.
+    /// Settings made from the input.
     pub fn settings(&self, problems: &mut Problems) -> Option<LaserSettings> {
         let port = match self.from {
             LaserFrom::Controller => return Some(LaserSettings::Controller),
@@ -102,9 +102,9 @@ impl LaserDraft {
             LaserFrom::Network => {
                 if self.host.trim().is_empty() {
                     let text = "found nothing, expected the name or address of the laser";
-                    problems.add(Field::LaserHost, text);
+                    problems.add(FieldId::LaserHost, text);
                 }
-                let port = problems.take(Field::LaserPort, port(&self.port));
+                let port = problems.take(FieldId::LaserPort, port(&self.port));
                 LaserPort::Tcp {
                     host: self.host.trim().to_owned(),
                     port: port?,
@@ -125,11 +125,11 @@ impl LaserDraft {
             Ok(()) => Some(settings),
             Err(error) => {
                 let field = match error.pointer.as_str() {
-                    "/pattern" => Field::Pattern,
-                    "/port/tcp/host" => Field::LaserHost,
-                    "/port/serial/device" => Field::Device,
-                    "/port/serial/baud" => Field::Baud,
-                    _ => Field::Laser,
+                    "/pattern" => FieldId::Pattern,
+                    "/port/tcp/host" => FieldId::LaserHost,
+                    "/port/serial/device" => FieldId::Device,
+                    "/port/serial/baud" => FieldId::Baud,
+                    _ => FieldId::Laser,
                 };
                 if problems.of(field).is_none() {
                     problems.add(field, error.message);
@@ -143,10 +143,10 @@ impl LaserDraft {
         let baud = self.baud.trim().parse::<u32>();
         let baud =
             baud.map_err(|_| format!("found \"{}\", expected a number such as 9600", self.baud));
-        let baud = problems.take(Field::Baud, baud);
+        let baud = problems.take(FieldId::Baud, baud);
         if self.device.trim().is_empty() {
             let text = "found nothing, expected a serial port such as /dev/ttyUSB0 or COM3";
-            problems.add(Field::Device, text);
+            problems.add(FieldId::Device, text);
         }
         let mut port = match &self.base.port {
             port @ LaserPort::Serial { .. } => port.clone(),
@@ -162,7 +162,7 @@ impl LaserDraft {
         Some(port)
     }
 
-    /// Draws the choice and what belongs to it; `busy`: a connection uses the laser at this moment.
+    /// Draws the choice and its fields; `busy` tells that a connection is using the laser.
     pub fn show(&mut self, ui: &mut Ui, problems: &Problems, busy: bool) {
         for (from, text) in [
             (
@@ -185,22 +185,22 @@ impl LaserDraft {
             .spacing([3.0 * GRID, 1.5 * GRID])
             .show(ui, |ui| {
                 if self.from == LaserFrom::Network {
-                    line(ui, problems, Field::LaserHost, &mut self.host);
-                    line(ui, problems, Field::LaserPort, &mut self.port);
+                    line(ui, problems, FieldId::LaserHost, &mut self.host);
+                    line(ui, problems, FieldId::LaserPort, &mut self.port);
                 } else {
                     self.device(ui);
-                    line(ui, problems, Field::Device, &mut self.device);
-                    line(ui, problems, Field::Baud, &mut self.baud);
+                    line(ui, problems, FieldId::Device, &mut self.device);
+                    line(ui, problems, FieldId::Baud, &mut self.baud);
                 }
                 unit(ui, &mut self.base.unit);
-                line(ui, problems, Field::Pattern, &mut self.pattern);
-                line(ui, problems, Field::NoReturn, &mut self.no_return);
-                line(ui, problems, Field::Laser, &mut self.command);
+                line(ui, problems, FieldId::Pattern, &mut self.pattern);
+                line(ui, problems, FieldId::NoReturn, &mut self.no_return);
+                line(ui, problems, FieldId::Laser, &mut self.command);
             });
         self.test(ui, busy);
     }
 
-    /// The serial ports of this computer.
+    /// Field for the serial port.
     fn device(&mut self, ui: &mut Ui) {
         let ports = self.ports.get_or_insert_with(serial_ports);
         ui.label("Ports of this computer");
@@ -222,7 +222,7 @@ impl LaserDraft {
         ui.end_row();
     }
 
-    /// What arrives and what is understood of it.
+    /// Received lines and the distances parsed from them.
     fn test(&mut self, ui: &mut Ui, busy: bool) {
         section(ui, "What arrives");
         let settings = self.settings(&mut Problems::default());
@@ -286,7 +286,7 @@ fn unit(ui: &mut Ui, unit: &mut LaserUnit) {
     ui.end_row();
 }
 
-/// Line ends as they are typed.
+/// Line ends in their typed form.
 fn escaped(text: &str) -> String {
     text.replace('\r', "\\r").replace('\n', "\\n")
 }
@@ -324,15 +324,15 @@ mod tests {
             problems.of(field).expect("a problem").to_owned()
         };
         draft.from = LaserFrom::Network;
-        assert!(problem(&draft, Field::LaserHost).contains("expected"));
-        assert!(problem(&draft, Field::LaserPort).contains("1 to 65535"));
+        assert!(problem(&draft, FieldId::LaserHost).contains("expected"));
+        assert!(problem(&draft, FieldId::LaserPort).contains("1 to 65535"));
         draft.from = LaserFrom::Serial;
-        assert!(problem(&draft, Field::Device).contains("COM3"));
+        assert!(problem(&draft, FieldId::Device).contains("COM3"));
         draft.device = "COM3".into();
         draft.baud = "7".into();
-        assert!(problem(&draft, Field::Baud).contains("bits per second"));
+        assert!(problem(&draft, FieldId::Baud).contains("bits per second"));
         draft.baud = "9600".into();
         draft.pattern = "(".into();
-        assert!(problem(&draft, Field::Pattern).contains("regular expression"));
+        assert!(problem(&draft, FieldId::Pattern).contains("regular expression"));
     }
 }

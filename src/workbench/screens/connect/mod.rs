@@ -1,4 +1,4 @@
-//! The connection dialog: which controller, where it is, its symbols, the laser.
+//! Connection dialog: kind and address of the controller, its symbols, the laser.
 
 mod draft;
 mod entry;
@@ -16,10 +16,10 @@ use tautline_session::{Connection, ControllerKind, LaserSettings, OpcUaPolicy, O
 use tautline_workflow::controllers::PASSWORD;
 use tautline_workflow::wording::sentence;
 
-use self::draft::{Present, SignIn};
+use self::draft::{PresentSettings, SignIn};
 use self::field::{file, line, secret};
 use self::names::default_names;
-use self::problems::{Field, Part, Problems};
+use self::problems::{DialogTab, FieldId, Problems};
 use self::symbols::SymbolRows;
 use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup, UserFile};
 use crate::model::messages::full_sentence;
@@ -31,12 +31,12 @@ use crate::widgets::{
 
 pub use draft::Draft;
 
-/// Width of the window (points), where there is room.
+/// Width of the dialog (points), if it fits.
 const WIDTH: f32 = 920.0;
-/// Height around what scrolls (points).
+/// Height outside of the scrolled area (points).
 const AROUND: f32 = 210.0;
 
-/// Does what a command wants of the dialog.
+/// Carries out the request of a command.
 pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model: &Model) {
     let Some(open) = &model.open else {
         return;
@@ -58,7 +58,7 @@ pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model:
         }
         (ConnectionRequest::AskTrust(server), draft) => {
             let connects = draft.as_ref().is_none_or(|draft| draft.connects);
-            // Whoever connected without the dialog is asked in it.
+            // The dialog opens for the question if it was closed.
             let draft = dialog.get_or_insert_with(|| {
                 let last = &model.preferences.last_connection;
                 Box::new(Draft::of(open.session(), open.id(), last))
@@ -91,7 +91,7 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
         .open
         .as_ref()
         .filter(|open| open.id() == draft.session_id)
-        .map(|open| Present::of(open.session()))
+        .map(|open| PresentSettings::of(open.session()))
     else {
         return;
     };
@@ -119,13 +119,13 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
 
 fn tabs(ui: &mut Ui, draft: &mut Draft) {
     let has_symbols = matches!(draft.kind, ControllerKind::Ads | ControllerKind::OpcUa);
-    if !has_symbols && draft.part == Part::Symbols {
-        draft.part = Part::Controller;
+    if !has_symbols && draft.part == DialogTab::Symbols {
+        draft.part = DialogTab::Controller;
     }
-    let tabs = [Part::Controller, Part::Symbols, Part::Laser].map(|part| TabOf {
+    let tabs = [DialogTab::Controller, DialogTab::Symbols, DialogTab::Laser].map(|part| TabOf {
         value: part,
         title: part.title(),
-        missing: (part == Part::Symbols && !has_symbols)
+        missing: (part == DialogTab::Symbols && !has_symbols)
             .then_some("Only a real controller has symbols"),
     });
     tab_row(ui, "More", &tabs, &mut draft.part);
@@ -136,13 +136,13 @@ fn part(
     ui: &mut Ui,
     model: &Model,
     draft: &mut Draft,
-    (present, problems): (&Present, &Problems),
+    (present, problems): (&PresentSettings, &Problems),
     outbox: &mut Outbox,
 ) {
     match draft.part {
-        Part::Controller => controller(ui, draft, (present, problems), outbox),
-        Part::Symbols => symbols(ui, model, draft, (present, problems), outbox),
-        Part::Laser => {
+        DialogTab::Controller => controller(ui, draft, (present, problems), outbox),
+        DialogTab::Symbols => symbols(ui, model, draft, (present, problems), outbox),
+        DialogTab::Laser => {
             let busy = model.link.is_connected() || model.link.connecting;
             draft.laser.show(ui, problems, busy);
         }
@@ -152,7 +152,7 @@ fn part(
 fn controller(
     ui: &mut Ui,
     draft: &mut Draft,
-    (present, problems): (&Present, &Problems),
+    (present, problems): (&PresentSettings, &Problems),
     outbox: &mut Outbox,
 ) {
     for (kind, text) in [
@@ -182,8 +182,8 @@ fn controller(
                         and nothing can be written to it.";
             wrapped(ui, text);
             grid("recording").show(ui, |ui| {
-                line(ui, problems, Field::Folder, &mut draft.folder);
-                line(ui, problems, Field::Speed, &mut draft.speed);
+                line(ui, problems, FieldId::Folder, &mut draft.folder);
+                line(ui, problems, FieldId::Speed, &mut draft.speed);
             });
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
                 outbox.send(RobotCommand::Setup(Setup::PickRecording));
@@ -191,11 +191,11 @@ fn controller(
         }
         ControllerKind::Ads => {
             grid("ads").show(ui, |ui| {
-                line(ui, problems, Field::Host, &mut draft.host);
-                line(ui, problems, Field::Port, &mut draft.port);
-                line(ui, problems, Field::NetId, &mut draft.net_id);
-                line(ui, problems, Field::AmsPort, &mut draft.ams_port);
-                line(ui, problems, Field::Timeout, &mut draft.timeout);
+                line(ui, problems, FieldId::Host, &mut draft.host);
+                line(ui, problems, FieldId::Port, &mut draft.port);
+                line(ui, problems, FieldId::NetId, &mut draft.net_id);
+                line(ui, problems, FieldId::AmsPort, &mut draft.ams_port);
+                line(ui, problems, FieldId::Timeout, &mut draft.timeout);
             });
             wrapped(
                 ui,
@@ -214,14 +214,14 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID]);
     rows.show(ui, |ui| {
-        line(ui, problems, Field::Url, &mut draft.url);
+        line(ui, problems, FieldId::Url, &mut draft.url);
         chosen(
             ui,
             "Security",
             (&mut draft.security, &OpcUaSecurity::ALL),
             None,
         );
-        let problem = problems.of(Field::Policy);
+        let problem = problems.of(FieldId::Policy);
         chosen(
             ui,
             "Policy",
@@ -229,7 +229,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
             problem,
         );
         user(ui, draft, problems, outbox);
-        line(ui, problems, Field::UrlTimeout, &mut draft.url_timeout);
+        line(ui, problems, FieldId::UrlTimeout, &mut draft.url_timeout);
     });
     if draft.security == Some(OpcUaSecurity::None) {
         let text = "Not encrypted: everybody on the network can read and change the messages.";
@@ -237,11 +237,11 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
     }
     wrapped(
         ui,
-        "Without a choice the best security is used that the server offers. A session keeps the name or the paths, never a password or a key. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
+        "By default, the best security that the server offers is used. A session keeps the name or the paths, never a password or a key. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
     );
 }
 
-/// The lines of a grid that say who signs in.
+/// Grid rows for the authentication of the user.
 fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
     ui.label("Sign in");
     ui.horizontal_wrapped(|ui| {
@@ -257,14 +257,14 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     match draft.sign_in {
         SignIn::Anonymous => {}
         SignIn::Name => {
-            line(ui, problems, Field::User, &mut draft.user);
+            line(ui, problems, FieldId::User, &mut draft.user);
             let hint = format!("{PASSWORD}, or kept");
             secret(ui, ("Password", &hint), draft.password.text_mut());
             keeping(ui, draft, outbox);
         }
         SignIn::Certificate => {
-            let certificate = (Field::UserCertificate, "Choose certificate…");
-            let key = (Field::UserKey, "Choose key…");
+            let certificate = (FieldId::UserCertificate, "Choose certificate…");
+            let key = (FieldId::UserKey, "Choose key…");
             for (names, text, which) in [
                 (certificate, &mut draft.certificate, UserFile::Certificate),
                 (key, &mut draft.key, UserFile::Key),
@@ -277,7 +277,7 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     }
 }
 
-/// The line of a grid about passwords that are kept on this computer.
+/// Grid row for passwords stored on this computer.
 fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     ui.label("");
     ui.horizontal_wrapped(|ui| {
@@ -306,7 +306,7 @@ fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     ui.end_row();
 }
 
-/// A line of a grid with a choice from all values or the best that the server offers.
+/// Grid row with a choice from all values, or the best one offered by the server.
 fn chosen<T: Copy + PartialEq + std::fmt::Display>(
     ui: &mut Ui,
     name: &str,
@@ -345,7 +345,7 @@ fn symbols(
     ui: &mut Ui,
     model: &Model,
     draft: &mut Draft,
-    (present, problems): (&Present, &Problems),
+    (present, problems): (&PresentSettings, &Problems),
     outbox: &mut Outbox,
 ) {
     let robot = &present.robot;
@@ -395,14 +395,14 @@ fn symbols(
     if let Some((kind, text)) = draft.names().rows.summary() {
         verdict(ui, kind, &text);
     }
-    if let Some(text) = problems.of(Field::Symbols) {
+    if let Some(text) = problems.of(FieldId::Symbols) {
         verdict(ui, Verdict::Bad, &sentence(&format!("{text}.")));
     }
     let names = draft.names_mut();
     names.rows.show(ui, names.is_custom, problems);
 }
 
-/// The question whether the certificate of the server is trusted.
+/// Question whether the certificate of the server is trusted.
 fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
     let Some((server, connects)) = &draft.untrusted else {
         return;
@@ -424,7 +424,7 @@ fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
     }
 }
 
-/// Why it cannot connect, and its buttons; whether it stays open.
+/// Footer: reason why connecting is not possible, and buttons; returns whether the dialog stays open.
 fn footer(
     ui: &mut Ui,
     model: &Model,

@@ -8,13 +8,13 @@ use super::symbols::SymbolRows;
 
 #[derive(Debug)]
 pub struct Names {
-    /// Chosen by the operator instead of the defaults of the controller.
+    /// Whether the names are set by the operator instead of the defaults of the controller.
     pub is_custom: bool,
     pub rows: SymbolRows,
 }
 
 impl Names {
-    /// The custom names, or else the defaults.
+    /// Custom names, or the defaults.
     #[must_use]
     pub fn of(custom: Option<&SymbolMapping>, default: &SymbolMapping, robot: &Robot) -> Self {
         Self {
@@ -23,7 +23,7 @@ impl Names {
         }
     }
 
-    /// The mapping; `None` if it is the default or invalid.
+    /// Mapping; `None` if it is the default or invalid.
     pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<SymbolMapping> {
         self.is_custom.then(|| self.rows.mapping(robot, problems))?
     }

@@ -1,8 +1,8 @@
-//! Fields of the connection dialog, and what is wrong with them.
+//! Fields of the connection dialog, and their errors.
 
-/// A field that can be wrong.
+/// Field that can have an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Field {
+pub enum FieldId {
     Folder,
     Speed,
     Host,
@@ -18,7 +18,7 @@ pub enum Field {
     UserKey,
     UrlTimeout,
     Symbol(usize),
-    /// Something of all symbols.
+    /// All symbols.
     Symbols,
     LaserHost,
     LaserPort,
@@ -26,12 +26,12 @@ pub enum Field {
     Baud,
     Pattern,
     NoReturn,
-    /// Something else of the laser.
+    /// Other settings of the laser.
     Laser,
 }
 
-impl Field {
-    /// Its name, and what it shows while it is empty.
+impl FieldId {
+    /// Name and hint of the field.
     #[must_use]
     pub fn names(self) -> (&'static str, &'static str) {
         match self {
@@ -58,32 +58,32 @@ impl Field {
     }
 
     #[must_use]
-    pub fn part(self) -> Part {
+    pub fn part(self) -> DialogTab {
         match self {
-            Self::Symbol(_) | Self::Symbols => Part::Symbols,
+            Self::Symbol(_) | Self::Symbols => DialogTab::Symbols,
             Self::LaserHost
             | Self::LaserPort
             | Self::Device
             | Self::Baud
             | Self::Pattern
             | Self::NoReturn
-            | Self::Laser => Part::Laser,
-            _ => Part::Controller,
+            | Self::Laser => DialogTab::Laser,
+            _ => DialogTab::Controller,
         }
     }
 }
 
-/// A part of the window.
+/// Tab of the dialog.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
-    /// Kind and place of the controller.
+pub enum DialogTab {
+    /// Kind and address of the controller.
     #[default]
     Controller,
     Symbols,
     Laser,
 }
 
-impl Part {
+impl DialogTab {
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -94,38 +94,37 @@ impl Part {
     }
 }
 
-/// What is wrong with fields: one sentence each.
+/// Errors of fields, one sentence each.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Problems(Vec<(Field, String)>);
+pub struct Problems(Vec<(FieldId, String)>);
 
 impl Problems {
-    /// A field is wrong.
-    pub fn add(&mut self, field: Field, text: impl Into<String>) {
+    pub fn add(&mut self, field: FieldId, text: impl Into<String>) {
         self.0.push((field, text.into()));
     }
 
-    /// Whether nothing is wrong.
+    /// Whether there is no error.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// What is wrong with a field.
+    /// Error of a field.
     #[must_use]
-    pub fn of(&self, field: Field) -> Option<&str> {
+    pub fn of(&self, field: FieldId) -> Option<&str> {
         let mut all = self.0.iter();
         let found = all.find(|(wrong, _)| *wrong == field);
         found.map(|(_, text)| text.as_str())
     }
 
-    /// What is wrong first.
+    /// First error.
     #[must_use]
-    pub fn first(&self) -> Option<(Field, &str)> {
+    pub fn first(&self) -> Option<(FieldId, &str)> {
         self.0.first().map(|(field, text)| (*field, text.as_str()))
     }
 
-    /// The value of an answer, whose error belongs to a field.
-    pub fn take<T>(&mut self, field: Field, answer: Result<T, String>) -> Option<T> {
+    /// Value of a result; its error is added for a field.
+    pub fn take<T>(&mut self, field: FieldId, answer: Result<T, String>) -> Option<T> {
         answer.map_err(|text| self.add(field, text)).ok()
     }
 }

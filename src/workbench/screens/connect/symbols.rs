@@ -1,4 +1,4 @@
-//! The table of symbols: what is needed, its name at the controller, scale and unit.
+//! Table of symbols: purpose, name at the controller, scale and unit.
 
 use egui::{Grid, RichText, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
@@ -6,30 +6,30 @@ use tautline_core::robot::Robot;
 use tautline_link::symbols::{SymbolCheck, SymbolFound};
 use tautline_session::{SymbolMapping, is_per_cable, name_of_cable};
 
-use super::entry::{Need, no_command, read, title_of, unit_of, write};
-use super::problems::{Field, Problems};
+use super::entry::{SymbolRole, no_command, read, title_of, unit_of, write};
+use super::problems::{FieldId, Problems};
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
 use tautline_workflow::wording::{count, sentence};
 
-/// Width (points) from which on the columns have room beside each other.
+/// Width (points) at which the columns fit side by side.
 const WIDE: f32 = 560.0;
 
 #[derive(Debug, Clone)]
-struct Row {
-    need: Need,
+struct SymbolRow {
+    need: SymbolRole,
     title: String,
     unit: String,
-    /// Name, or names with commas between them; nothing where there is none.
+    /// Name, or comma-separated names; empty if there is none.
     symbol: String,
     scale: String,
 }
 
-/// All rows with the answers of the controller.
+/// All rows, with the answers of the controller.
 #[derive(Debug, Clone)]
 pub struct SymbolRows {
-    rows: Vec<Row>,
-    /// What the table does not show: offsets, elements, how orientations are written.
+    rows: Vec<SymbolRow>,
+    /// Parts of the mapping without a row: offsets, elements, format of orientations.
     base: SymbolMapping,
     cables: Vec<String>,
     /// Answer of the controller, or the reason why there is none.
@@ -39,11 +39,11 @@ pub struct SymbolRows {
 impl SymbolRows {
     #[must_use]
     pub fn of(mapping: &SymbolMapping, robot: &Robot) -> Self {
-        let mut rows: Vec<Row> = Need::FIXED
+        let mut rows: Vec<SymbolRow> = SymbolRole::FIXED
             .into_iter()
             .map(|(need, title, unit)| {
                 let (symbol, scale) = read(mapping, need);
-                Row {
+                SymbolRow {
                     need,
                     title: title.to_owned(),
                     unit: unit.to_owned(),
@@ -53,8 +53,8 @@ impl SymbolRows {
             })
             .collect();
         let parameters = mapping.parameters.iter().enumerate();
-        rows.extend(parameters.map(|(k, parameter)| Row {
-            need: Need::Parameter(k),
+        rows.extend(parameters.map(|(k, parameter)| SymbolRow {
+            need: SymbolRole::Parameter(k),
             title: title_of(&parameter.name),
             unit: unit_of(&parameter.name).to_owned(),
             symbol: parameter.symbol.clone(),
@@ -69,13 +69,13 @@ impl SymbolRows {
         }
     }
 
-    /// The mapping that the rows make.
+    /// Mapping made from the rows.
     pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<SymbolMapping> {
         let mut mapping = self.base.clone();
         let commands = self.rows.iter().filter(|row| row.need.is_of_command());
         if commands
             .clone()
-            .all(|row: &Row| row.symbol.trim().is_empty())
+            .all(|row: &SymbolRow| row.symbol.trim().is_empty())
         {
             mapping.command = None;
         } else {
@@ -84,17 +84,17 @@ impl SymbolRows {
         let mut good = true;
         for (k, row) in self.rows.iter().enumerate() {
             let scale = match row.need.has_scale() && !row.symbol.trim().is_empty() {
-                true => problems.take(Field::Symbol(k), parse_number(&row.scale)),
+                true => problems.take(FieldId::Symbol(k), parse_number(&row.scale)),
                 false => Some(1.0),
             };
             let written = scale.map(|scale| write(&mut mapping, row.need, (&row.symbol, scale)));
             if let Some(Err(text)) = written {
-                problems.add(Field::Symbol(k), text);
+                problems.add(FieldId::Symbol(k), text);
                 good = false;
             }
             good &= scale.is_some();
         }
-        // Parameters without a name are not at the controller.
+        // Parameters without a name are not available at the controller.
         mapping.parameters.retain(|p| !p.symbol.is_empty());
         if !good {
             return None;
@@ -106,14 +106,14 @@ impl SymbolRows {
                     .pointer
                     .trim_start_matches('/')
                     .replace(['/', '_'], " ");
-                problems.add(Field::Symbols, format!("{place}: {}", error.message));
+                problems.add(FieldId::Symbols, format!("{place}: {}", error.message));
                 None
             }
         }
     }
 
-    /// The names for which a row stands, one per cable where it is a pattern.
-    fn names(&self, row: &Row) -> Vec<String> {
+    /// Names of the symbols of a row, one per cable for a pattern.
+    fn names(&self, row: &SymbolRow) -> Vec<String> {
         let names = row.symbol.split(',').map(str::trim);
         let mut all = Vec::new();
         for name in names.filter(|name| !name.is_empty()) {
@@ -127,8 +127,8 @@ impl SymbolRows {
         all
     }
 
-    /// Answer of the controller for a row: the worst of its symbols.
-    fn found(&self, row: &Row) -> Option<&SymbolCheck> {
+    /// Answer of the controller for a row: that of its worst symbol.
+    fn found(&self, row: &SymbolRow) -> Option<&SymbolCheck> {
         let Some(Ok(checks)) = &self.checked else {
             return None;
         };
@@ -161,7 +161,7 @@ impl SymbolRows {
         Some((Verdict::Bad, text))
     }
 
-    /// Draws the table; `own`: it can be edited.
+    /// Draws the table, for editing if `own`.
     pub fn show(&mut self, ui: &mut Ui, own: bool, problems: &Problems) {
         let found: Vec<Option<SymbolCheck>> = self
             .rows
@@ -173,7 +173,7 @@ impl SymbolRows {
             for (k, (row, found)) in rows {
                 ui.label(&row.title);
                 ui.horizontal_wrapped(|ui| row.fields(ui, own, true));
-                let problem = problems.of(Field::Symbol(k));
+                let problem = problems.of(FieldId::Symbol(k));
                 if found.is_some() || problem.is_some() {
                     row.judged(ui, found.as_ref(), problem);
                 }
@@ -198,15 +198,15 @@ impl SymbolRows {
                 for (k, (row, found)) in rows {
                     ui.label(&row.title);
                     row.fields(ui, own, false);
-                    row.judged(ui, found.as_ref(), problems.of(Field::Symbol(k)));
+                    row.judged(ui, found.as_ref(), problems.of(FieldId::Symbol(k)));
                     ui.end_row();
                 }
             });
     }
 }
 
-impl Row {
-    /// Symbol, scale and unit; in a window without columns the scale has a label.
+impl SymbolRow {
+    /// Fields for symbol, scale and unit; in a narrow window the scale has a label.
     fn fields(&mut self, ui: &mut Ui, own: bool, is_titled: bool) {
         let name = format!("Symbol: {}", self.title);
         edit(ui, own, &name, &mut self.symbol, 208.0);
@@ -230,7 +230,7 @@ impl Row {
 }
 
 fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
-    // A grid gives a field no more than it asks for at least.
+    // A grid gives a field only its minimum width.
     let field = TextEdit::singleline(text)
         .desired_width(width)
         .min_size(egui::vec2(width, 0.0))
@@ -316,13 +316,13 @@ mod tests {
             problems
         };
         let nothing = problems_of(|rows| rows.rows[0].symbol.clear());
-        assert!(nothing.of(Field::Symbol(0)).is_some());
+        assert!(nothing.of(FieldId::Symbol(0)).is_some());
         let scale = problems_of(|rows| rows.rows[3].scale = "much".into());
-        assert!(scale.of(Field::Symbol(3)).is_some());
+        assert!(scale.of(FieldId::Symbol(3)).is_some());
         let half = problems_of(|rows| rows.rows[13].symbol.clear());
-        assert!(half.of(Field::Symbol(13)).is_some(), "{half:?}");
+        assert!(half.of(FieldId::Symbol(13)).is_some(), "{half:?}");
         let silent = problems_of(|rows| rows.rows[9].symbol.clear());
-        let text = silent.of(Field::Symbols).expect("a problem");
+        let text = silent.of(FieldId::Symbols).expect("a problem");
         assert!(text.contains("state moving"), "{text}");
     }
 

@@ -1,4 +1,4 @@
-//! The text with the numbers of its lines, and its first mistake.
+//! Text editor with line numbers and the first error.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::model::hypothesis::HypothesisDraft;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, section, verdict};
 
-/// Height that the mistake below the text takes (points).
+/// Height of the error below the text (points).
 const MISTAKE: f32 = 48.0;
 
 pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &mut Outbox) {
@@ -74,7 +74,7 @@ fn text(
     });
 }
 
-/// The numbers of the lines, which messages name.
+/// Line numbers, as used in error messages.
 fn numbers(ui: &mut Ui, text: &str, font: &FontId) {
     let count = 1 + text.matches('\n').count();
     let lines: Vec<String> = (1..=count).map(|line| line.to_string()).collect();
@@ -86,7 +86,7 @@ fn numbers(ui: &mut Ui, text: &str, font: &FontId) {
     ui.painter().galley(place.right_top(), galley, colour);
 }
 
-/// The text with comments in a quieter colour and the line of the mistake marked; lines are not wrapped.
+/// Text with muted comments and the line of the error marked; lines are not wrapped.
 fn coloured(ui: &Ui, text: &str, font: &FontId, error: Option<&HypothesisError>) -> LayoutJob {
     let palette = theme::of(ui);
     let mut job = LayoutJob::default();
@@ -107,7 +107,7 @@ fn coloured(ui: &Ui, text: &str, font: &FontId, error: Option<&HypothesisError>)
     job
 }
 
-/// Offset at which the comment of a line begins: the first `#` outside of quotes.
+/// Offset of the comment of a line: the first `#` outside of quotes.
 fn comment_of(line: &str) -> Option<usize> {
     let mut is_quoted = false;
     line.char_indices().find_map(|(at, sign)| {

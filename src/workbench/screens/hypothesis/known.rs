@@ -1,4 +1,4 @@
-//! The hypotheses of the session and effects of the catalogue, from which one can begin.
+//! Hypotheses of the session and effects of the catalogue, as a basis for a new one.
 
 use egui::{ScrollArea, Ui};
 use egui_material_icons::icons;
@@ -45,7 +45,7 @@ fn of_catalogue(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     muted(ui, "Its formulas, to be changed:");
     ui.add_space(GRID);
     for effect in every_effect() {
-        // The others cannot be written as text.
+        // Not every effect can be written as text.
         let Ok(text) = effect.as_text(&robot) else {
             continue;
         };

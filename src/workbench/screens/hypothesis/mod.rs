@@ -1,4 +1,4 @@
-//! A hypothesis as text, and what it does to the residuals while it is typed.
+//! Editor of a hypothesis, with its effect on the residuals while it is typed.
 
 mod editor;
 mod known;
@@ -14,9 +14,9 @@ use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button, primary};
 
-/// Width of the screen (points) below which the residuals stand below the text.
+/// Width of the screen (points) below which the residuals are below the text.
 const NARROW: f32 = 860.0;
-/// Share of the text of a wide screen, and its limits (points).
+/// Share of the text in a wide screen, and its limits (points).
 const TEXT: f32 = 0.52;
 const TEXT_RANGE: Rangef = Rangef {
     min: 420.0,
@@ -74,7 +74,7 @@ fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox
     };
     let name = format!("{}{state}", name.unwrap_or("with a mistake"));
     ui.horizontal(|ui| {
-        // The buttons first: the name has the room that they leave.
+        // Buttons are placed first; the name gets the remaining width.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 outbox.send(ViewCommand::Go(model.previous_screen()));

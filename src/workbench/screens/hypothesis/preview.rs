@@ -1,4 +1,4 @@
-//! What the hypothesis does to the residuals.
+//! Effect of the hypothesis on the residuals.
 
 use egui::{CollapsingHeader, ComboBox, Label, RichText, Spinner, Ui};
 use tautline_core::effect::{FORMULA_QUANTITIES, formula_functions};
@@ -6,7 +6,7 @@ use tautline_workflow::plot::Selection;
 use tautline_workflow::signature::{Image, Placement, Signature, Trial};
 
 use crate::model::Model;
-use crate::model::command::Previewed;
+use crate::model::command::PreviewResult;
 use crate::model::command::{HypothesisCommand, Outbox, TRYING, ViewCommand};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::theme::GRID;
@@ -31,7 +31,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
             muted(ui, "Fitting it to the readings…");
         });
     }
-    // The last one stays, dimmed, until the next is there, so that nothing jumps while somebody types.
+    // The last preview stays, dimmed, until the next one is ready, so that the layout is stable while typing.
     ui.scope(|ui| {
         if is_fitting {
             ui.set_opacity(0.4);
@@ -39,13 +39,15 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
         match draft.preview.as_ref().map(|preview| &preview.result) {
             None => {}
             Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
-            Some(Ok(Previewed::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
-            Some(Ok(Previewed::Simulated(signature))) => simulated(ui, model, signature, outbox),
+            Some(Ok(PreviewResult::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
+            Some(Ok(PreviewResult::Simulated(signature))) => {
+                simulated(ui, model, signature, outbox)
+            }
         }
     });
 }
 
-/// What formulas may use; open while there is nothing else to see.
+/// Quantities and functions for formulas; expanded while there is no preview.
 fn vocabulary(ui: &mut Ui, is_open: bool) {
     let header = CollapsingHeader::new("Quantities and functions").default_open(is_open);
     header.show(ui, |ui| {

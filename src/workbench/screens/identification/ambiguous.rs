@@ -1,4 +1,4 @@
-//! Causes that the data cannot distinguish, on one card.
+//! Card of causes that the data cannot distinguish.
 
 use egui::{Align, Layout, Ui};
 use tautline_core::diagnosis::{Finding, Separation, Subject};
@@ -12,7 +12,7 @@ use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::units::{fixed, mm};
 
-/// Width that a cause needs to stand beside others (points).
+/// Smallest width of a cause beside others (points).
 const NARROWEST: f32 = 150.0;
 
 /// Draws the body of the card.

@@ -1,4 +1,4 @@
-//! A cause that was found.
+//! Card of a finding.
 
 use std::collections::BTreeSet;
 
@@ -24,7 +24,7 @@ use tautline_workflow::wording::{count, odds, readings, sentence};
 
 /// Height of a plot (points).
 const HEIGHT: f32 = 190.0;
-/// Most cables of a finding whose pulleys can be inspected from there.
+/// Largest number of cables of a finding with buttons for their pulleys.
 const INSPECTED: usize = 2;
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
     });
 }
 
-/// A button that shows the residuals by which a finding was noticed: those of its cables, the strongest dependence first.
+/// Button that shows the residuals of a finding: those of its cables, strongest dependence first.
 fn dependence(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
@@ -80,7 +80,7 @@ fn dependence(
     }
 }
 
-/// Buttons that show the pulleys of the cables that a finding names, where these are few.
+/// Buttons that show the pulleys of the cables of a finding, if there are few.
 fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &Finding) {
     let cables: BTreeSet<usize> = finding.subject.cables().into_iter().collect();
     if cables.len() > INSPECTED {
@@ -101,7 +101,7 @@ pub fn paragraph(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(text).wrap());
 }
 
-/// A single cause: what, how probable and how large, then what to do, then the evidence.
+/// Card of a single cause: name, probability and size, then actions, then evidence.
 fn single(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
@@ -134,7 +134,7 @@ fn single(
     }
 }
 
-/// An error without a name: nothing to add, but where it shows and what helps.
+/// Card of an error without a known cause: its residuals and advice.
 fn unknown(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
@@ -155,7 +155,7 @@ fn unknown(
         paragraph(ui, &finding.advice);
     }
     patterns::show(ui, panel);
-    // One fault shows in several kinds of readings.
+    // One fault can affect several kinds of readings.
     let findings = diagnosed.diagnosis.findings.iter().enumerate();
     let is_other =
         |(index, other): &(usize, &Finding)| *index != number && other.verdict() == Sure::Unknown;
@@ -172,7 +172,7 @@ fn unknown(
     });
 }
 
-/// The largest of the errors without a name, which has the card of all.
+/// Largest error without a known cause; its card includes the others.
 fn largest_unknown(diagnosed: &Diagnosed) -> Option<usize> {
     let findings = diagnosed.diagnosis.findings.iter().enumerate();
     let unknown = findings.filter(|(_, finding)| finding.verdict() == Sure::Unknown);
@@ -181,7 +181,7 @@ fn largest_unknown(diagnosed: &Diagnosed) -> Option<usize> {
     largest.map(|(index, _)| index)
 }
 
-/// The plot of the readings that show a cause best.
+/// Plot of the readings in which a cause is most visible.
 fn shown_by(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
     let plots = panel.open.plotted_diagnosis();
     let evidence = plots.and_then(|plots| plots.evidence.get(number)?.as_ref());
@@ -224,7 +224,7 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     }
 }
 
-/// The 95 % interval of a parameter, which has no name where it is the only one.
+/// 95 % interval of a parameter, named unless it is the only one.
 fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter, is_only: bool) -> Option<String> {
     let sd = parameter.sd.filter(|sd| sd.is_finite())?;
     let of = diagnosed
@@ -241,7 +241,7 @@ fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter, is_only: bool) ->
     })
 }
 
-/// The numbers behind a finding.
+/// Statistical evidence of a finding.
 pub fn evidence(finding: &Finding) -> String {
     let Evidence {
         delta_chi2,
@@ -264,7 +264,7 @@ pub fn evidence(finding: &Finding) -> String {
     )
 }
 
-/// The likeliest of the causes that a named one leaves little room for.
+/// Likeliest alternative to a named cause.
 fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     let Some(next) = finding.alternatives.first() else {
         return;
@@ -284,7 +284,7 @@ fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     }
 }
 
-/// Check in the workshop.
+/// Advice for the workshop.
 pub fn advice(ui: &mut Ui, advice: &str) {
     if !advice.is_empty() {
         muted(ui, "Check in the workshop");
@@ -292,7 +292,7 @@ pub fn advice(ui: &mut Ui, advice: &str) {
     }
 }
 
-/// The two ways to deal with a cause, the right one for its kind first, each with when it is right.
+/// Two ways to treat a cause, the right one for its kind first, each with its condition.
 pub fn actions(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
@@ -317,14 +317,14 @@ pub fn actions(
         back_to_import(ui, panel);
     }
     if cause.effect().is_damage() {
-        let when = "It does not last: repair it, then measure the same poses again. The present readings stay in their file.";
+        let when = "Damage: repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, (name, when));
-        let when = "Only for these readings: the next ones will not have it in the same way.";
+        let when = "Happened once: explains these readings only.";
         add(ui, panel, settings, (name, when));
     } else {
-        let when = "It lasts: its size is identified, and the controller can correct for it.";
+        let when = "Permanent: correct it in the controller.";
         add(ui, panel, settings.clone(), (name, when));
-        let when = "If the workshop removes it: the same poses again. The present readings stay in their file.";
+        let when = "Repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, (name, when));
     }
 }

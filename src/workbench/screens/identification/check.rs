@@ -1,4 +1,4 @@
-//! The check before identification.
+//! Check of the readings before the identification.
 
 use egui::{CollapsingHeader, Ui};
 use tautline_session::Session;
@@ -8,19 +8,19 @@ use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE};
 
 use super::Panel;
 use crate::model::command::{IdentificationCommand, READINESS, Readiness, RecordingCommand};
-use crate::model::next_step::{Sign, checked};
+use crate::model::next_step::{Problem, checked};
 use crate::widgets::{Verdict, fault_window, muted, section, verdict};
 
-/// Most warnings of the measuring run that are listed without being asked for.
+/// Number of warnings of the measuring run that are listed without expanding.
 const WARNINGS_SHOWN: usize = 3;
 
-/// Draws the parts that take no time at once, the others once they were asked for.
+/// Draws the quick checks at once, the others on request.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     section(ui, "Check");
     let open = panel.open;
     let items = checked(panel.model, open);
-    // What is well once there is a result needs no room.
-    let is_well = items.iter().all(|(_, sign)| sign.is_none());
+    // Passed checks are collapsed once there is a result.
+    let is_well = items.iter().all(|(_, problem)| problem.is_none());
     if is_well && open.fit_is_current() {
         verdict(
             ui,
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Implausible readings that were noticed while measuring; excluding the pose settles one.
+/// Implausible readings noticed during measuring; a warning disappears when its pose is excluded.
 fn warnings(ui: &mut Ui, session: &Session) {
     for text in sentences(session) {
         verdict(ui, Verdict::Bad, &text);
@@ -85,10 +85,10 @@ fn warnings(ui: &mut Ui, session: &Session) {
         });
 }
 
-fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, sign): &(&CheckItem, Option<Sign>)) {
+fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, problem): &(&CheckItem, Option<Problem>)) {
     let kind = match item.outcome {
         CheckOutcome::Pass => Verdict::Good,
-        CheckOutcome::Fail if sign.is_some() => Verdict::Bad,
+        CheckOutcome::Fail if problem.is_some() => Verdict::Bad,
         CheckOutcome::Notice | CheckOutcome::Fail => Verdict::Doubtful,
         CheckOutcome::NotEvaluated => Verdict::Neutral,
     };
@@ -109,7 +109,7 @@ fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, sign): &(&CheckItem, Opt
     }
 }
 
-/// A wrong sign, unit or channel is one of the recipe, not of the robot.
+/// Button back to the import: a wrong sign, unit or channel is corrected in the recipe, not in the robot.
 pub(super) fn back_to_import(ui: &mut Ui, panel: &mut Panel<'_>) {
     if can_import_again(panel.open.session()) {
         let button = ui.button("Back to import");

@@ -10,10 +10,10 @@ use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences::groups;
 use tautline_workflow::wording::{list, p_value, ratio, readings, sentence};
 
-/// Draws the symptoms of the findings, folded, readings by readings; a click on one plots it.
+/// Draws the dependences, collapsed, grouped by reading; a click on one plots it.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let found = &diagnosed.diagnosis.discrepancies;
-    // With the findings in the model they are gone.
+    // They no longer apply once the findings are in the model.
     if found.is_empty() || !panel.open.is_model_diagnosed() {
         return;
     }

@@ -1,4 +1,4 @@
-//! The model doctor.
+//! Model doctor: diagnosis of the model.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// The button that asks.
+/// Button that starts the diagnosis.
 pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
     if ui.button("Diagnose model").clicked() {
         panel.outbox.send(IdentificationCommand::Diagnose);
@@ -81,20 +81,20 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Arc<Diagnosed>) {
     found(ui, panel, diagnosed);
 }
 
-/// The verdict and the findings of a diagnosis.
+/// Verdict and findings of a diagnosis.
 fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     if panel.open.diagnosis_is_current() && !panel.open.is_model_diagnosed() {
         muted(
             ui,
-            "Diagnosed before the last additions; it holds until its findings are in the model.",
+            "This diagnosis led to the present model. Diagnose again to check it.",
         );
     } else {
         judgement(ui, diagnosed);
     }
     for (heading, sentences) in diagnosed.gross() {
         section(ui, heading);
-        // The last sentence says what to do.
+        // The last sentence is advice.
         let [found @ .., advice] = &sentences[..] else {
             continue;
         };
@@ -119,7 +119,7 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     discrepancy::show(ui, panel, diagnosed);
 }
 
-/// Whether the model explains the readings, and how well.
+/// Verdict on the fit of the model.
 fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     let kind = match findings::explain(diagnosed) {
@@ -144,7 +144,7 @@ fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
     }
 }
 
-/// Noise, what is left, what the data cannot show.
+/// Noise, remaining discrepancies, and faults that the data cannot show.
 fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     if !diagnosis.noise.is_empty() {
@@ -184,7 +184,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     }
 }
 
-/// Causes that are possible but not established, on demand.
+/// Possible causes without proof, on request.
 fn possible(ui: &mut Ui, diagnosed: &Diagnosed) {
     let causes = &diagnosed.diagnosis.possible;
     if causes.is_empty() {

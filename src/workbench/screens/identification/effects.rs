@@ -1,4 +1,4 @@
-//! The effects that were added to the model.
+//! Effects added to the model.
 
 use egui::Ui;
 

@@ -1,4 +1,4 @@
-//! Improvement on held-out poses, drawn.
+//! Plot of the improvement on held-out poses.
 
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use tautline_core::diagnosis::Gain;
@@ -9,7 +9,7 @@ use tautline_workflow::diagnosis;
 use tautline_workflow::wording::units::fixed;
 use tautline_workflow::wording::{count, ratio};
 
-/// Draws the words and, where poses were held out, the two figures on one scale.
+/// Draws the text and, if poses were held out, the two residuals on one scale.
 pub fn show(ui: &mut Ui, gain: &Gain) {
     if gain.poses_held_out > 0 && diagnosis::is_improvement(gain) {
         dumbbell(ui, gain);
@@ -34,7 +34,7 @@ fn kinds(gain: &Gain) -> String {
     text
 }
 
-/// Before and after as points on one scale from 0, the 95 % interval of the gain as a bar.
+/// Draws the residual before and after as points on a scale from 0, and the 95 % interval of the gain as a bar.
 fn dumbbell(ui: &mut Ui, gain: &Gain) {
     let palette = theme::of(ui);
     let poses = count(gain.poses_held_out, "pose");
@@ -60,7 +60,7 @@ fn dumbbell(ui: &mut Ui, gain: &Gain) {
     };
     let painter = ui.painter();
     painter.line_segment([at(0.0), at(most)], Stroke::new(1.0, palette.line));
-    // A right model misses them by about 1.
+    // Expected normalised residual of an adequate model.
     let one = at(1.0);
     painter.line_segment(
         [one - vec2(0.0, GRID), one + vec2(0.0, GRID)],

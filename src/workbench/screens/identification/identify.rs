@@ -1,4 +1,4 @@
-//! Method, what is part of the model, and the running identification.
+//! Method, estimated parts of the model, and the running identification.
 
 use egui::{Grid, RichText, Ui, pos2, vec2};
 use tautline_session::Method;
@@ -68,7 +68,7 @@ fn method(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// The residuals as they shrink.
+/// Residuals of the running identification.
 fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
     let missed = panel.model.identification.progress.missed();
     ui.horizontal(|ui| {
@@ -89,7 +89,7 @@ fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// The course of the residuals on a logarithmic scale, the latest at the right.
+/// Residuals after each step on a logarithmic scale, the latest at the right.
 fn course(ui: &mut Ui, missed: &[f64]) {
     let palette = theme::of(ui);
     let (rect, _) = ui.allocate_exact_size(
@@ -118,7 +118,7 @@ fn course(ui: &mut Ui, missed: &[f64]) {
     );
 }
 
-/// A line of a name and a value at its right.
+/// Rows of a name and a right-aligned value.
 pub fn pair(ui: &mut Ui, id: &str, lines: &[(String, String)]) {
     Grid::new(id)
         .num_columns(2)

@@ -1,4 +1,4 @@
-//! The panel of the phase Identification: the geometry, and what the model still lacks.
+//! Panel of the phase Identification: the geometry, and the diagnosis of the model.
 
 mod ambiguous;
 mod card;
@@ -16,17 +16,17 @@ mod suspects;
 use egui::Ui;
 
 use crate::model::command::Outbox;
-use crate::model::open_session::Stored;
+use crate::model::open_session::StoredFit;
 use crate::model::{Model, OpenSession};
 use crate::widgets::{Verdict, heading, muted, verdict};
 
-/// The two halves of the panel.
+/// Halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Half {
     /// Method and geometry.
     #[default]
     Geometry,
-    /// What the model gets wrong.
+    /// Diagnosis of the model.
     Doctor,
 }
 
@@ -34,15 +34,15 @@ pub enum Half {
 #[derive(Debug, Default)]
 pub struct PanelState {
     pub half: Half,
-    /// Whether the table shows every coordinate.
+    /// Whether the table shows all coordinates.
     show_axes: bool,
-    /// Whether it is said in full what the data cannot show.
+    /// Whether the faults that the data cannot show are listed in full.
     show_invisible: bool,
-    /// Whether the matrix of faults is shown.
+    /// Whether the matrix of faults is open.
     shows_faults: bool,
 }
 
-/// What the parts of the panel see and change.
+/// Context of the parts of the panel.
 struct Panel<'a> {
     model: &'a Model,
     open: &'a OpenSession,
@@ -86,7 +86,7 @@ fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui,
         "Estimates the pulley positions from the measured poses.",
     );
-    if panel.open.stored() == Stored::OutOfDate {
+    if panel.open.stored() == StoredFit::OutOfDate {
         verdict(
             ui,
             Verdict::Doubtful,

@@ -1,4 +1,4 @@
-//! What an error without a name looks like, and how the model takes it in.
+//! Patterns of an error without a known cause, and their addition to the model.
 
 use egui::{Label, Spinner, Ui};
 use egui_material_icons::icons;
@@ -10,7 +10,7 @@ use crate::model::findings;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, icon_button, muted, named, probability, verdict};
 
-/// The button that asks, and the patterns once they were found.
+/// Button that starts the search, and the patterns found.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.add_space(GRID);
     if panel.model.tasks.runs(FORMULAS) {

@@ -52,15 +52,15 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     suspects::show(ui, panel, &fit);
 }
 
-/// Whether the model explains the data, and how well it did before the last change.
+/// Verdict on the fit, with the one before the last change.
 pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
     let solution = &fit.solution;
     let wrong = match panel.open.fit_is_current() {
         true => Verdict::Bad,
         false => Verdict::Neutral,
     };
-    for sign in of_fit(panel.model, panel.open, fit) {
-        verdict(ui, wrong, &sign.text);
+    for problem in of_fit(panel.model, panel.open, fit) {
+        verdict(ui, wrong, &problem.text);
     }
     let explains = FitVerdict::of(solution.p_value());
     let kind = match explains {
@@ -127,10 +127,10 @@ fn published(ui: &mut Ui, fit: &Identification) {
     }
 }
 
-/// How far a point moved, with the standard deviation of that along the way; `None` where it is not determined.
+/// Displacement of an entry point, with its standard deviation along that direction; `None` if it is not determined.
 fn moved(solution: &Solution, cable: usize, way: Vector3<f64>) -> (f64, Option<f64>) {
     let along = way.try_normalize(0.0).unwrap_or_else(Vector3::x);
-    // What was not estimated is given.
+    // Parameters that were not estimated are exact.
     let variance = entry_point_covariance(solution, cable)
         .map_or(0.0, |covariance| (covariance * along).dot(&along));
     let sd = solution.covariance.as_ref();
@@ -212,7 +212,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
     );
 }
 
-/// The coordinates of a pulley.
+/// Coordinates of a pulley.
 fn axes(
     ui: &mut Ui,
     solution: &Solution,
@@ -249,7 +249,7 @@ fn axes(
     }
 }
 
-/// Home pose and target plane: what changed, with standard deviations.
+/// Changes of home pose and target plane, with standard deviations.
 fn others(ui: &mut Ui, fit: &Identification) {
     let robot = &fit.dataset.robot;
     let globals = &fit.solution.globals;

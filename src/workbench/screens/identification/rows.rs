@@ -1,4 +1,4 @@
-//! Rows of numbers that can be selected.
+//! Selectable rows of numbers.
 
 use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 
@@ -13,7 +13,6 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// A number or a word.
     pub fn new(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),
@@ -22,7 +21,7 @@ impl Cell {
         }
     }
 
-    /// The same in a colour.
+    /// Sets a colour.
     pub fn coloured(self, colour: Color32) -> Self {
         Self {
             colour: Some(colour),
@@ -30,7 +29,7 @@ impl Cell {
         }
     }
 
-    /// The same in bold.
+    /// Makes the text bold.
     pub fn strong(self) -> Self {
         Self {
             strong: true,
@@ -41,8 +40,8 @@ impl Cell {
 
 const HEIGHT: f32 = 5.5 * GRID;
 
-/// Draws a row: the first cell at the left, the others at the right ends of their shares of the width. `selected` is
-/// `None` where there is nothing to select. `name` is what a reader of the screen is told.
+/// Draws a row: the first cell left-aligned, the others right-aligned in their shares of the width. `selected` is
+/// `None` if the row is not selectable. `name` is the accessible name.
 pub fn row(
     ui: &mut Ui,
     shares: &[f32],
@@ -94,7 +93,7 @@ pub fn row(
     response
 }
 
-/// Draws the heads of columns.
+/// Draws column headings.
 pub fn heads(ui: &mut Ui, shares: &[f32], heads: &[&str]) {
     let muted = theme::of(ui).muted;
     let cells: Vec<_> = heads
@@ -104,13 +103,13 @@ pub fn heads(ui: &mut Ui, shares: &[f32], heads: &[&str]) {
     row(ui, shares, &cells, None, &heads.join(", "));
 }
 
-/// Millimetres with the decimals that a standard deviation (m) leaves sense; two without one.
+/// Millimetres, rounded according to a standard deviation (m); two decimals without one.
 pub fn millimetres(value_m: f64, sd_m: Option<f64>) -> String {
     let decimals = sd_m.filter(|sd| *sd > 0.0).map_or(2, decimals);
     mm(value_m, decimals)
 }
 
-/// A standard deviation (m) in millimetres; a dash where the data do not determine it.
+/// Standard deviation (m) in millimetres; a dash if not determined.
 pub fn deviation(sd_m: Option<f64>) -> String {
     match sd_m {
         Some(0.0) => "given".to_owned(),
@@ -119,7 +118,7 @@ pub fn deviation(sd_m: Option<f64>) -> String {
     }
 }
 
-/// Decimals of millimetres for a standard deviation (m): two digits that count, one to three decimals.
+/// Decimals of millimetres that show two digits of a standard deviation (m), at most three.
 fn decimals(sd_m: f64) -> usize {
     decimals_for(1e3 * sd_m, 0, 3)
 }

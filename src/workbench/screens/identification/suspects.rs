@@ -12,7 +12,7 @@ use crate::widgets::{muted, section};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::count;
 
-/// Most suspect poses that are listed.
+/// Largest number of listed suspect poses.
 const SHOWN: usize = 5;
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification) {

@@ -1,4 +1,4 @@
-//! Before there is anything to import: a file, or the robot that was measured.
+//! Start of an import: choice of a file, or of the measured robot.
 
 use egui::Ui;
 use tautline_core::robot::presets;

@@ -1,4 +1,4 @@
-//! The channels, each with its course over time.
+//! List of channels with sparklines.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::model::importing::ChannelPlace;
 use crate::theme::{self, GRID};
 use crate::widgets::{muted, section};
 
-/// Height of a row, and widths of what is in it (points).
+/// Height of a row and widths of its parts (points).
 const ROW: f32 = 6.0 * GRID;
 const UNIT: f32 = 12.0 * GRID;
 const COURSE: f32 = 32.0 * GRID;
@@ -112,7 +112,7 @@ fn row(ui: &mut Ui, bench: &Bench<'_>, series: &Series, place: ChannelPlace) -> 
     response.on_hover_text(name).clicked()
 }
 
-/// A line of text that ends in dots where it is too long.
+/// Line of text, truncated with an ellipsis.
 fn text(ui: &Ui, rect: Rect, text: &str, is_muted: bool) {
     let palette = theme::of(ui);
     let colour = if is_muted {
@@ -132,7 +132,7 @@ fn text(ui: &Ui, rect: Rect, text: &str, is_muted: bool) {
         .galley_with_override_text_color(place, galley, colour);
 }
 
-/// The course of a channel, as wide and as high as the rectangle.
+/// Sparkline of a channel in a rectangle.
 fn sparkline(ui: &Ui, rect: Rect, course: &[(usize, f64)], colour: egui::Color32) {
     let values = course.iter().map(|(_, value)| *value);
     let values = values.filter(|value| value.is_finite());
@@ -156,7 +156,7 @@ fn sparkline(ui: &Ui, rect: Rect, course: &[(usize, f64)], colour: egui::Color32
         };
         rect.left_bottom() + Vec2::new(x as f32 * rect.width(), -(y as f32) * rect.height())
     };
-    // As many points as there are pixels; the rest could not be told apart.
+    // At most a few points per pixel; more could not be distinguished.
     let every = (course.len() / (2 * rect.width().max(1.0) as usize)).max(1);
     let stroke = Stroke::new(1.0, colour);
     for run in course.split(|(_, value)| !value.is_finite()) {

@@ -1,4 +1,4 @@
-//! What is wrong with the data, and the step that takes them into the session.
+//! Problems of the data, and the step that adds the poses to the session.
 
 use egui::{CollapsingHeader, Ui};
 use egui_material_icons::icons;
@@ -55,7 +55,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         });
 }
 
-/// Whether the poses can be readings of the robot.
+/// Check of the poses as readings of the robot.
 fn readings(ui: &mut Ui, checks: &[CheckItem]) {
     let open = checks
         .iter()
@@ -76,7 +76,7 @@ fn readings(ui: &mut Ui, checks: &[CheckItem]) {
     }
 }
 
-/// Draws the step that takes the poses into the session.
+/// Draws the step that adds the poses to the session.
 pub fn last_step(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>) {
     let open = bench.open;
     let poses = open.cut.as_ref().and_then(|cut| {

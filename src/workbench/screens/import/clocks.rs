@@ -8,7 +8,7 @@ use super::Bench;
 use crate::model::command::RecordingCommand;
 use crate::widgets::{Entered, Number, icon_button, muted, number, section};
 
-/// Draws the part, where there are several clocks.
+/// Draws the part if there are several clocks.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let used = |k: usize| bench.open.uses.keys().any(|(series, _)| *series == k);
     let Some(cut) = &bench.open.cut else {

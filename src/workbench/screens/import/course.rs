@@ -1,4 +1,4 @@
-//! The channel that is shown, over time, with the poses that are cut.
+//! Plot of the shown channel over time, with the poses cut from it.
 
 use egui::Ui;
 use tautline_workflow::importing::channel_figure;

@@ -1,4 +1,4 @@
-//! How rows become poses.
+//! Conversion of rows into poses.
 
 use egui::{Grid, Slider, SliderClamping, Ui, WidgetInfo};
 use tautline_import::{Cutting, Rest};
@@ -10,13 +10,13 @@ use crate::widgets::{checkbox, muted, radio, section};
 /// Degrees per radian.
 const DEGREES: f64 = 57.295_779_513_082_32;
 
-/// A threshold of rest.
+/// Threshold of standstill.
 struct Threshold {
     name: &'static str,
     unit: &'static str,
     /// Units of the slider per unit of the recipe.
     scale: f64,
-    /// Least and most; logarithmic unless it begins at zero.
+    /// Smallest and largest value; the scale is logarithmic unless it begins at zero.
     range: [f64; 2],
     of: fn(&mut Rest) -> &mut f64,
 }

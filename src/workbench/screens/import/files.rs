@@ -1,4 +1,4 @@
-//! The files at the top.
+//! List of files.
 
 use egui::{Align, Layout, RichText, Ui};
 use egui_material_icons::icons;
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
     }
 }
 
-/// A field of a given width for the path of a file, with a dialog; in a layout from right to left.
+/// Field of this width for the path of a file, with a file dialog; for a layout from right to left.
 pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox) {
     let right = ui.available_width();
     if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {

@@ -1,4 +1,4 @@
-//! What the channel that is shown is: by hand for it alone, or by pattern for that of every cable.
+//! Meaning of the shown channel: set for it alone, or by pattern for all cables.
 
 use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
@@ -9,11 +9,11 @@ use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
 
 const UNUSED: &str = "Not used";
 
-struct Shown<'a> {
+struct ShownChannel<'a> {
     series: &'a Series,
     name: &'a str,
     unit: Option<&'a str>,
-    /// Its entry in the recipe.
+    /// Entry of the recipe.
     entry: Option<&'a Assignment>,
     /// Pattern of the channels of all cables, and the number of the first.
     pattern: Option<(String, usize)>,
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
         });
         panel.for_all = true;
     }
-    let shown = Shown {
+    let shown = ShownChannel {
         series,
         name,
         unit,
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     meaning(ui, bench, &shown, for_all);
 }
 
-fn words(shown: &Shown<'_>, channel: usize) -> String {
+fn words(shown: &ShownChannel<'_>, channel: usize) -> String {
     let unit = match shown.unit {
         Some(unit) => format!("in {unit}, as the file states"),
         None => "without a unit".to_owned(),
@@ -78,14 +78,14 @@ fn words(shown: &Shown<'_>, channel: usize) -> String {
     format!("{} rows{gaps}, {low} to {high}, {unit}", shown.series.rows)
 }
 
-/// A number with five digits at most.
+/// Number with at most five digits.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
 }
 
-/// Whether the choice is for this channel or for that of every cable.
-fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) {
+/// Choice between this channel and those of all cables.
+fn scope(ui: &mut Ui, shown: &ShownChannel<'_>, panel: &mut PanelState, cables: usize) {
     let Some((pattern, _)) = &shown.pattern else {
         return;
     };
@@ -95,8 +95,8 @@ fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) 
     ui.add_space(GRID);
 }
 
-/// What the channel is: quantity, cable, unit, sign, factor and offset.
-fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool) {
+/// Meaning of the channel: quantity, cable, unit, sign, factor and offset.
+fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &ShownChannel<'_>, for_all: bool) {
     let cables = bench.robot.cable_count();
     let own = shown
         .entry
@@ -173,7 +173,7 @@ fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool)
         });
 }
 
-/// A field for a number without a unit.
+/// Field for a dimensionless number.
 fn plain(name: &str, value: f64) -> Number<'_> {
     Number::of(name, value, 6, "", 88.0)
 }
@@ -197,10 +197,10 @@ fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
         .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
 }
 
-/// A new quantity, if one was chosen; `Some(None)` is that the channel is not used.
+/// Returns a newly chosen quantity; `Some(None)` if the channel is not used.
 fn choose_quantity(
     ui: &mut Ui,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     now: Option<Quantity>,
 ) -> Option<Option<Quantity>> {
     let mut chosen = None;
@@ -240,10 +240,10 @@ fn choose_cable(ui: &mut Ui, bench: &Bench<'_>, now: usize) -> Option<usize> {
     chosen
 }
 
-/// A new unit, if one was chosen; `Some(None)` is that of the file.
+/// Returns a newly chosen unit; `Some(None)` for that of the file.
 fn choose_unit(
     ui: &mut Ui,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     quantity: Quantity,
     now: Option<&str>,
 ) -> Option<Option<String>> {
@@ -277,10 +277,10 @@ fn unit_of(quantity: Quantity) -> &'static str {
         .unwrap_or("")
 }
 
-/// Makes the channel, or those of the pattern, a quantity.
+/// Assigns a quantity to the channel or to those of the pattern.
 fn assign(
     bench: &mut Bench<'_>,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     own: Option<Assignment>,
     quantity: Option<Quantity>,
     for_all: bool,
@@ -301,7 +301,7 @@ fn assign(
             }
         });
     };
-    // A channel with a number is that cable's, unless the operator chooses another.
+    // A numbered channel belongs to the cable of that number, unless set otherwise.
     if quantity.is_per_cable()
         && own.is_none()
         && let Some((pattern, first)) = &shown.pattern
@@ -320,10 +320,10 @@ fn assign(
     put(bench, shown, base, quantity, for_all, what);
 }
 
-/// Puts an entry of a channel into the recipe, for it alone or for its pattern.
+/// Writes an entry of the recipe, for a channel or its pattern.
 fn put(
     bench: &mut Bench<'_>,
-    shown: &Shown<'_>,
+    shown: &ShownChannel<'_>,
     own: Assignment,
     quantity: Quantity,
     for_all: bool,

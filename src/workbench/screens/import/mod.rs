@@ -1,4 +1,4 @@
-//! Files of other programs: their channels, what they are, the poses that are cut out of them, and what is wrong with them.
+//! Import of files of other programs: channels, their meaning, cutting of poses, check.
 
 mod begin;
 mod channels;
@@ -17,7 +17,7 @@ use tautline_import::Recipe;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::{ChannelPlace, OpenImport};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::theme::GRID;
 use crate::widgets::{one_part, panel_frame};
 
@@ -25,30 +25,30 @@ use crate::widgets::{one_part, panel_frame};
 pub struct PanelState {
     path: String,
     recipe: String,
-    /// What a small window shows.
-    part: Part,
-    /// The channels that belong to the one that is shown.
+    /// Part shown in a small window.
+    part: ScreenPart,
+    /// Pattern of the shown channel.
     pattern: Option<KnownPattern>,
-    /// Whether the choice is for all channels of the pattern, where the operator said so.
+    /// Whether the choice applies to all channels of the pattern.
     for_all: bool,
 }
 
-/// The pattern of the channels that belong to one.
+/// Pattern that a channel belongs to.
 #[derive(Debug)]
 struct KnownPattern {
     of: ChannelPlace,
-    /// Number of files when it was found.
+    /// Number of files when the pattern was determined.
     files: usize,
-    /// Pattern and number of the first channel; `None` if it is alone.
+    /// Pattern and number of the first channel; `None` if the channel is alone.
     found: Option<(String, usize)>,
 }
 
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
 
-/// What the parts of the screen need.
+/// Context of the parts of the screen.
 struct Bench<'a> {
-    /// The robot whose readings these are.
+    /// Robot that was measured.
     robot: &'a Robot,
     /// Sources, recipe and poses.
     open: &'a OpenImport,
@@ -56,12 +56,12 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Changes the recipe; `what` names the change for undoing it.
+    /// Changes the recipe; `what` is the name of the change in the undo menu.
     fn change(&mut self, what: impl Into<String>, change: impl FnOnce(&mut Recipe)) {
         self.change_on(what, false, change);
     }
 
-    /// Changes the recipe; a continued change is one step of the undo history with those before it.
+    /// Changes the recipe; a continued change is merged with the previous undo step.
     fn change_on(
         &mut self,
         what: impl Into<String>,
@@ -94,7 +94,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     }
 }
 
-/// Everything beside each other.
+/// All parts side by side.
 fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
     let side = panel_frame(ui);
     let width = (0.36 * ui.available_width()).clamp(360.0, 520.0);
@@ -114,23 +114,23 @@ fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelStat
         .show(ui, |ui| channels::show(ui, bench));
 }
 
-/// One part at a time, where the window has no room for all of them.
+/// One part at a time, in a small window.
 fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
     let parts = [
-        (Part::Robot, "Channels"),
-        (Part::Panel, "Recipe"),
-        (Part::Plots, "Over time"),
+        (ScreenPart::Robot, "Channels"),
+        (ScreenPart::Panel, "Recipe"),
+        (ScreenPart::Plots, "Over time"),
     ];
     let mut part = panel.part;
     one_part(ui, &mut part, parts, |ui, part| match part {
-        Part::Panel => steps(ui, model, bench, panel),
-        Part::Robot => channels::show(ui, bench),
-        Part::Plots => course::show(ui, bench),
+        ScreenPart::Panel => steps(ui, model, bench, panel),
+        ScreenPart::Robot => channels::show(ui, bench),
+        ScreenPart::Plots => course::show(ui, bench),
     });
     panel.part = part;
 }
 
-/// The steps from channels to poses; the last one stays at the bottom.
+/// Steps from channels to poses; the last one stays at the bottom.
 fn steps(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
     Panel::bottom("last step of the import")
         .frame(Frame::new().inner_margin(Margin {

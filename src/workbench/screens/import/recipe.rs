@@ -1,4 +1,4 @@
-//! The recipe: what is used, and as a file.
+//! The recipe: its entries, and its file.
 
 use egui::{Align, Label, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     });
 }
 
-/// The entries of the recipe, each to be taken out.
+/// Entries of the recipe, each with a button to remove it.
 fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
     let recipe = bench.open.draft.recipe();
     if recipe.channels.is_empty() {
@@ -72,7 +72,7 @@ fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
     }
 }
 
-/// What an entry makes of its channels: "rev_1 … rev_8: winch revolutions".
+/// Description of an entry, such as "rev_1 … rev_8: winch revolutions".
 fn in_words(entry: &Assignment, robot: &Robot) -> String {
     let last = robot.cable_count().saturating_sub(1);
     let channels = match entry.is_pattern() {

@@ -1,4 +1,4 @@
-//! Input of the laser distance, for a laser that the operator reads.
+//! Input of the laser distance, read by the operator.
 
 use egui::{Align, FontId, RichText, TextEdit, Ui, WidgetInfo};
 
@@ -10,15 +10,15 @@ use crate::widgets::{Verdict, entered, muted, parse_number, primary, verdict};
 
 /// Longest distance that can be typed (mm).
 const LONGEST_MM: f64 = 1e6;
-/// A distance this far from what is expected may be a slip of the keys (m).
+/// Deviation from the prediction (m) above which the typed distance may be a typing error.
 const FAR_M: f64 = 0.02;
 
-/// The input of a pose.
+/// Input for a pose.
 #[derive(Debug, Default)]
-pub struct Typed {
+pub struct DistanceInput {
     label: Option<i64>,
     text: String,
-    /// Whether it was entered.
+    /// Whether the input was sent.
     sent: bool,
 }
 
@@ -26,7 +26,7 @@ pub(super) fn forget(panel: &mut PanelState) {
     panel.typed.label = None;
 }
 
-/// Asks for the distance at a pose, where about `expected_m` is expected.
+/// Asks for the distance at a pose; `expected_m` is the prediction.
 pub(super) fn show(
     ui: &mut Ui,
     panel: &mut PanelState,
@@ -37,9 +37,9 @@ pub(super) fn show(
     let memory = &mut panel.typed;
     let is_new = memory.label != Some(label);
     if is_new {
-        *memory = Typed {
+        *memory = DistanceInput {
             label: Some(label),
-            ..Typed::default()
+            ..DistanceInput::default()
         };
     }
     let name = match label {
@@ -85,7 +85,7 @@ pub(super) fn show(
     }
 }
 
-/// Assesses what is typed.
+/// Assesses the input.
 fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
     if text.trim().is_empty() {
         match expected_m {
@@ -108,7 +108,7 @@ fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
     }
 }
 
-/// A typed distance in metres.
+/// Typed distance in metres.
 fn distance_m(text: &str) -> Result<f64, String> {
     let typed_mm = parse_number(text)?;
     if (0.0..=LONGEST_MM).contains(&typed_mm) {

@@ -1,4 +1,4 @@
-//! The controller: connected, armed, moving.
+//! The controller: connection, arming, speed.
 
 use std::time::Instant;
 
@@ -8,12 +8,12 @@ use tautline_link::Activity;
 
 use crate::model::Model;
 use crate::model::command::{Outbox, RobotCommand, Setup};
-use crate::model::link::{LinkRequest, Lost};
+use crate::model::link::{LinkRequest, LostConnection};
 use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::RobotKind;
 
-/// Speeds that are offered for simulated robots.
+/// Time factors offered for simulated robots.
 const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
 
 /// Draws connection and arming.
@@ -80,7 +80,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
     }
 }
 
-/// Nothing is connected.
+/// Without a connection.
 fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: RobotKind) {
     let text = match offered {
         RobotKind::OfSession | RobotKind::OfDescription => "Connect the simulated robot",
@@ -110,8 +110,8 @@ fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: RobotKind) 
     });
 }
 
-/// The connection is lost and is made anew.
-fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
+/// While a lost connection is being re-established.
+fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &LostConnection) {
     let text = format!("{} The robot is disarmed.", lost_words(lost));
     verdict(ui, Verdict::Bad, &text);
     let why = tautline_workflow::wording::sentence(lost.why.trim_end_matches('.'));
@@ -127,9 +127,9 @@ fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
     });
 }
 
-/// That a connection is lost, and when it is tried again.
+/// Text on a lost connection and the time of the next attempt.
 #[must_use]
-pub fn lost_words(lost: &Lost) -> String {
+pub fn lost_words(lost: &LostConnection) -> String {
     let left = lost.due.saturating_duration_since(Instant::now());
     match left.as_secs_f64().ceil() {
         seconds if seconds > 0.0 => {
@@ -139,7 +139,7 @@ pub fn lost_words(lost: &Lost) -> String {
     }
 }
 
-/// How fast the time of a simulated robot runs.
+/// Choice of the time factor of a simulated robot.
 fn speed(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let mut speed = model.link.speed();
     let before = speed;

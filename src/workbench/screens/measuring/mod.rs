@@ -1,4 +1,4 @@
-//! The panel of the phase Measuring: which poses, the controller, the run.
+//! Panel of the phase Measuring: poses, controller, run.
 
 mod asking;
 pub mod controller;
@@ -28,19 +28,19 @@ use tautline_workflow::report::overdue;
 pub struct PanelState {
     /// Number of poses to plan.
     poses: usize,
-    /// Standard deviation of the entry points that is good enough (mm).
+    /// Goal for the standard deviation of the entry points (mm).
     goal_mm: f64,
-    /// The plan of which it was asked what to expect, and the id of its session.
+    /// Plan for which a prediction was requested, and the id of its session.
     asked: Option<(u64, Vec<PlannedPose>)>,
-    /// Rows of the table of poses, of a document and its revision.
-    rows: Memo<(u64, u64), Vec<poses::Row>>,
-    /// How many poses of a plan are measured, by document, revision and length of the plan.
+    /// Rows of the table of poses, by session and revision.
+    rows: Memo<(u64, u64), Vec<poses::PoseRow>>,
+    /// Number of measured poses of a plan, by session, revision and length of the plan.
     done: Memo<(u64, u64, usize), usize>,
-    /// The pose that the table was scrolled to last.
+    /// Pose to which the table was scrolled last.
     scrolled_to: Option<i64>,
-    /// The laser distance that is typed.
-    typed: asking::Typed,
-    /// Whether the matrix of faults is shown.
+    /// Typed laser distance.
+    typed: asking::DistanceInput,
+    /// Whether the matrix of faults is open.
     shows_faults: bool,
     until: until::UntilState,
 }
@@ -62,7 +62,7 @@ impl Default for PanelState {
             rows: Memo::default(),
             done: Memo::default(),
             scrolled_to: None,
-            typed: asking::Typed::default(),
+            typed: asking::DistanceInput::default(),
             shows_faults: false,
             until: until::UntilState::default(),
         }
@@ -72,7 +72,7 @@ impl Default for PanelState {
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Measuring");
     if model.link.is_under_way() {
-        // Nothing else needs attention until it stands.
+        // While the robot moves, nothing else needs attention.
         return run::under_way(ui, model, panel, outbox);
     }
     muted(
@@ -103,7 +103,7 @@ fn ask(model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     }
 }
 
-/// Warns of instruments that the robot lacks, and of those whose calibration is overdue.
+/// Warns of instruments that the robot lacks, and of overdue calibrations.
 fn instruments(ui: &mut Ui, model: &Model) {
     let Some(open) = &model.open else {
         return;
@@ -132,8 +132,8 @@ fn instruments(ui: &mut Ui, model: &Model) {
             "This robot has no force sensors: elongation and sag of the cables are not corrected.",
         );
     }
-    if let Some(sign) = no_home(open) {
-        verdict(ui, Verdict::Bad, &sign.text);
+    if let Some(problem) = no_home(open) {
+        verdict(ui, Verdict::Bad, &problem.text);
     }
 }
 

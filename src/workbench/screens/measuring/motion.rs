@@ -1,4 +1,4 @@
-//! The robot while it moves: pose, and tensions with their limits.
+//! The moving robot: its pose, and its tensions with their limits.
 
 use egui::{Align2, Rect, Sense, TextStyle, Ui, Vec2};
 use tautline_core::simulation::TensionRange;
@@ -13,10 +13,10 @@ use tautline_workflow::wording::units::fixed;
 /// Height of a tension bar and its row (points).
 const BAR: f32 = 2.0 * GRID;
 const ROW: f32 = 5.0 * GRID;
-/// Part of the width of a bar that the largest allowed tension takes; more is an overload.
+/// Share of a bar's width for the largest allowed tension; more is an overload.
 const FULL: f64 = 0.85;
 
-/// Where the platform is. How far the operation is stands at the foot of the panel.
+/// Position of the platform. The progress of the operation is in the footer.
 pub(in crate::screens) fn position(ui: &mut Ui, model: &Model) {
     if let Some(pose) = model.link.live().pose {
         let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
@@ -24,7 +24,7 @@ pub(in crate::screens) fn position(ui: &mut Ui, model: &Model) {
     }
 }
 
-/// A bar for each cable, with marks at the smallest and the largest allowed tension.
+/// Bar for each cable, with marks at the smallest and largest allowed tension.
 pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     let (Some(open), Some(sample)) = (&model.open, model.link.live().sample) else {
         return;
@@ -58,7 +58,7 @@ fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: Tension
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    // By the marks that are drawn: one sample is noisier than the mean of which a warning tells.
+    // From the limits that are drawn: a single sample is noisier than the mean to which a warning refers.
     let state = match tension_n {
         low if low < 0.0 => ", below zero",
         low if low < range.lower_n => ", too low",

@@ -16,7 +16,7 @@ use tautline_workflow::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 
-/// Draws what is expected, and whether enough is measured.
+/// Draws the prediction, and whether it is reached.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     let Some(open) = &model.open else {
         return;
@@ -69,7 +69,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
 }
 
-/// Which faults the poses show: in short, and the matrix in a window of its own.
+/// Summary of the detectable faults, and their matrix in a separate window.
 fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     ui.horizontal(|ui| {
         let name = if *is_shown {
@@ -97,13 +97,13 @@ fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     fault_window(ui, table, is_shown);
 }
 
-/// How many of the poses are measured and not left out, home not counted.
+/// Number of planned poses that are measured and not excluded, without the home pose.
 fn done(outlook: &PlanSummary, session: &Session) -> usize {
     let planned = outlook.poses.iter().map(|pose| pose.label);
     let mut open_yet: HashSet<i64> = planned.filter(|label| *label != 0).collect();
     let of_plan = open_yet.len();
     let excluded = session.excluded();
-    // Plans are short, measurements may be very many.
+    // Plans are short, while there may be very many measurements.
     let measured = session.measurements.labels.iter();
     for label in measured.filter(|label| !excluded.contains(label)) {
         open_yet.remove(label);
@@ -137,10 +137,10 @@ fn goal(ui: &mut Ui, goal_mm: &mut f64) {
     });
 }
 
-/// Most poses that are marked in the plot of the expected standard deviation.
+/// Largest number of marked poses in the plot of the predicted standard deviation.
 const MARKED: usize = 60;
 
-/// How the expected standard deviation falls with the number of poses: of the whole plan, and as far as it is measured.
+/// Predicted standard deviation over the number of poses: for the whole plan, and for the poses measured so far.
 fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
     let figure = course_figure(&outlook.after_m, (done, goal_mm));
     if figure.curves.iter().all(|curve| curve.points.len() < 2) {
@@ -156,7 +156,7 @@ fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figu
     let known: Vec<(usize, f64)> = known
         .map(|(poses, sd_m)| (poses, (sd_m * 1e3).log10()))
         .collect();
-    // Of very many poses as many are marked as can be told apart, the first and the last among them.
+    // Of very many poses only as many are marked as can be distinguished, including the first and the last.
     let last = after_m.len().saturating_sub(1);
     let every = after_m.len().div_ceil(MARKED).max(1);
     let is_shown = |poses: usize| poses < MARKED || poses.is_multiple_of(every) || poses == last;
@@ -192,7 +192,7 @@ fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figu
     }
 }
 
-/// Once the goal is reached one may stop.
+/// Message once the goal is reached.
 fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
     let sd_m = outlook.after_m.get(done).copied().flatten();
     let all = outlook.after_m.len().saturating_sub(1);
@@ -211,7 +211,7 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
     }
 }
 
-/// A standard deviation (m) of a plan.
+/// Predicted standard deviation (m) of a plan.
 type Criterion = fn(&DesignCriteria) -> Option<f64>;
 
 fn details(ui: &mut Ui, outlook: &PlanSummary) {

@@ -1,4 +1,4 @@
-//! The poses of a session, planned and measured, as rows of a table.
+//! Planned and measured poses of a session, as table rows.
 
 use std::collections::BTreeSet;
 
@@ -7,44 +7,43 @@ use tautline_session::Session;
 
 /// Progress of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PhaseStatus {
-    /// Still to be measured.
+pub enum PoseStatus {
     Planned,
     Measured,
-    /// Measured, but left out.
+    /// Measured, but excluded.
     Excluded,
-    /// Measured in the plan of an earlier measurement of the same pose.
+    /// Measured, but not in the plan, because it repeats a planned pose.
     Repeat,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct PoseRow {
     pub label: i64,
-    /// Where it was or is to be commanded (mm); `None` where nothing was noted.
+    /// Commanded position (mm); `None` if not recorded.
     pub position_mm: Option<[f64; 3]>,
     /// Rotation from the home pose (degrees).
     pub rotation_deg: Option<f64>,
-    pub standing: PhaseStatus,
+    pub standing: PoseStatus,
 }
 
-/// All poses: those of the plan in its order, then those that are measured without being planned.
-pub fn rows(session: &Session) -> Vec<Row> {
+/// All poses: the plan in its order, then measured poses without a plan.
+pub fn rows(session: &Session) -> Vec<PoseRow> {
     let measurements = &session.measurements;
     let measured: BTreeSet<i64> = measurements.labels.iter().copied().collect();
     let planned: BTreeSet<i64> = session.plan.iter().map(|pose| pose.label).collect();
     let home = session.robot.home.map(|home| home.pose());
     let standing = |label: i64| {
         if session.excluded().contains(&label) {
-            PhaseStatus::Excluded
+            PoseStatus::Excluded
         } else if !measured.contains(&label) {
-            PhaseStatus::Planned
+            PoseStatus::Planned
         } else if !planned.is_empty() && !planned.contains(&label) {
-            PhaseStatus::Repeat
+            PoseStatus::Repeat
         } else {
-            PhaseStatus::Measured
+            PoseStatus::Measured
         }
     };
-    let row = |label: i64, pose: Option<Pose>| Row {
+    let row = |label: i64, pose: Option<Pose>| PoseRow {
         label,
         position_mm: pose.map(|pose| (pose.position * 1e3).into()),
         rotation_deg: pose.zip(home).map(|(pose, home)| {
@@ -88,11 +87,11 @@ mod tests {
         let rows = rows(&session);
         let standings: Vec<_> = rows.iter().map(|row| (row.label, row.standing)).collect();
         let expected = [
-            (0, PhaseStatus::Measured),
-            (1, PhaseStatus::Excluded),
-            (2, PhaseStatus::Measured),
-            (9, PhaseStatus::Planned),
-            (3, PhaseStatus::Repeat),
+            (0, PoseStatus::Measured),
+            (1, PoseStatus::Excluded),
+            (2, PoseStatus::Measured),
+            (9, PoseStatus::Planned),
+            (3, PoseStatus::Repeat),
         ];
         assert_eq!(standings, expected);
         let rotation = rows[3].rotation_deg.expect("a rotation");

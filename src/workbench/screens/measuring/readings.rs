@@ -1,4 +1,4 @@
-//! Live readings, and how far the robot has settled.
+//! Live readings and standstill.
 
 use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
@@ -8,11 +8,11 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, checkbox, muted, table};
 use tautline_workflow::wording::cable_label;
 use tautline_workflow::wording::units::fixed;
 
-/// A cable by colour and number.
+/// Colour and number of a cable.
 pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
         dot(ui, index);
@@ -28,7 +28,7 @@ fn dot(ui: &mut Ui, cable: usize) {
         .circle_filled(rect.center(), 1.125 * GRID, colour);
 }
 
-/// The same as a link; whether it was clicked.
+/// Colour and name of a cable as a link; returns whether it was clicked.
 pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
     ui.horizontal(|ui| {
         dot(ui, index);
@@ -41,10 +41,10 @@ pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
 }
 
 /// Columns of the live readings.
-const COLUMNS: [Column<'static>; 3] = [
-    Column::words("Cable"),
-    Column::number("Revolutions", "since home"),
-    Column::number("Force reading", "N"),
+const COLUMNS: [TableColumn<'static>; 3] = [
+    TableColumn::words("Cable"),
+    TableColumn::number("Revolutions", "since home"),
+    TableColumn::number("Force reading", "N"),
 ];
 
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
@@ -92,7 +92,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// Rates of change against their limits.
+/// Rates of change compared with their limits.
 pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
     let Some(rates) = rates else {
         return;

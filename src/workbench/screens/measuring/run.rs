@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
 use crate::model::link::LinkRequest;
-use crate::model::link::{Doing, RunLog};
+use crate::model::link::{RunLog, RunStep};
 use crate::model::messages::full_sentence;
 use crate::model::next_step::failed_save;
 use crate::theme::{self, GRID};
@@ -18,7 +18,7 @@ use tautline_workflow::identification::RESIDUAL;
 use tautline_workflow::wording::count_are;
 use tautline_workflow::wording::units::signed;
 
-/// Poses whose difference from the prediction is listed.
+/// Number of poses whose deviation from the prediction is listed.
 const LISTED: usize = 4;
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -80,7 +80,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     readings::show(ui, model, outbox);
 }
 
-/// Draws a run whose robot moves.
+/// Draws a run while the robot moves.
 pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     buttons(ui, model, outbox);
     motion::position(ui, model);
@@ -146,25 +146,25 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         return;
     };
     let doing = match run.paused {
-        Some(_) => Doing::Nothing,
+        Some(_) => RunStep::Nothing,
         None => model.link.live().doing,
     };
-    if !matches!(doing, Doing::Asking { .. }) {
+    if !matches!(doing, RunStep::Asking { .. }) {
         asking::forget(panel);
     }
     match doing {
-        Doing::Settling { rates, limits, .. } => readings::settling(ui, rates, limits),
-        Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
+        RunStep::Settling { rates, limits, .. } => readings::settling(ui, rates, limits),
+        RunStep::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
         _ => {}
     }
 }
 
-/// A measured pose that could not be kept on disk.
+/// Measured pose that could not be stored.
 fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(sign) = failed_save(model) else {
+    let Some(problem) = failed_save(model) else {
         return;
     };
-    verdict(ui, Verdict::Bad, &sign.text);
+    verdict(ui, Verdict::Bad, &problem.text);
     if ui.button("Retry save").clicked() {
         outbox.send(RobotCommand::RetrySave);
     }
@@ -189,7 +189,7 @@ fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
     }
 }
 
-/// Residuals of the last poses, where the present model predicts them.
+/// Deviations of the last poses from the prediction, if the model predicts them.
 fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
@@ -222,7 +222,7 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     }
 }
 
-/// Warnings, the latest first, each with its cable.
+/// Warnings, latest first, each with its cable.
 fn warnings(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(run) = model.link.run.as_ref().filter(|r| !r.warnings.is_empty()) else {
         return;

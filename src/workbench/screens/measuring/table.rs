@@ -1,11 +1,11 @@
-//! The table of poses, with actions for the selected one.
+//! Table of poses, with actions for the selected one.
 
 use egui::{Align, Layout, RichText, Role, Sense, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons;
 
 use super::PanelState;
-use super::poses::{PhaseStatus, Row, rows};
+use super::poses::{PoseRow, PoseStatus, rows};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
@@ -26,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     }
     section(ui, "Poses");
     let run = model.link.run.as_ref();
-    let shown = Shown {
+    let shown = TableState {
         selected: model.selection.pose,
         current: run.and_then(|run| run.current),
         skipped: &|label| run.is_some_and(|run| run.skipped.contains(&label)),
@@ -49,23 +49,23 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     }
 }
 
-/// What the table shows of the moment.
-struct Shown<'a> {
+/// Present state for the table.
+struct TableState<'a> {
     selected: Option<i64>,
     current: Option<i64>,
     skipped: &'a dyn Fn(i64) -> bool,
-    /// Whether it was selected since the last frame.
+    /// Whether the selection changed since the last frame.
     is_new: bool,
 }
 
-fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
+fn table(ui: &mut Ui, rows: &[PoseRow], shown: &TableState<'_>) -> Option<i64> {
     let mut clicked = None;
     let height = 6.0 * GRID;
     ui.spacing_mut().item_spacing.y = 0.0;
     let place = rows
         .iter()
         .position(|row| Some(row.label) == shown.selected);
-    // Of all rows, so that a column is as wide as its longest number wherever it is scrolled to.
+    // From all rows, so that the column width does not change while scrolling.
     let axis = |k: usize| width(ui, rows.iter().filter_map(|row| Some(row.position_mm?[k])));
     let axes = [0, 1, 2].map(axis);
     let turn = width(ui, rows.iter().filter_map(|row| row.rotation_deg));
@@ -78,7 +78,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .sense(Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
         .auto_shrink([false, true])
-        // Whole rows, so that none is cut when one is scrolled to.
+        // Whole rows, so that none is cut off.
         .max_scroll_height(10.0 * height)
         .column(Column::exact(14.0 * GRID))
         .column(Column::exact(axes[0]))
@@ -134,7 +134,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
     clicked
 }
 
-/// Width of a column with these numbers and one decimal.
+/// Width of a column for numbers with one decimal.
 fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
     let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
     let font = egui::TextStyle::Body.resolve(ui.style());
@@ -145,7 +145,7 @@ fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
     galley.size().x + GRID
 }
 
-/// The label of a pose, to be pressed.
+/// Label of a pose, as a link; returns whether it was clicked.
 fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
     let text = if label == 0 {
         "Home".to_owned()
@@ -162,42 +162,46 @@ fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
     response.clicked()
 }
 
-fn words(row: &Row, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui::Color32) {
+fn words(
+    row: &PoseRow,
+    shown: &TableState<'_>,
+    palette: &Palette,
+) -> (&'static str, egui::Color32) {
     if shown.current == Some(row.label) {
         return ("in progress", palette.accent);
     }
     match row.standing {
-        PhaseStatus::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
-        PhaseStatus::Planned => ("planned", palette.muted),
-        PhaseStatus::Measured => ("measured", palette.good),
-        PhaseStatus::Repeat => ("added", palette.good),
-        PhaseStatus::Excluded => ("excluded", palette.warning),
+        PoseStatus::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
+        PoseStatus::Planned => ("planned", palette.muted),
+        PoseStatus::Measured => ("measured", palette.good),
+        PoseStatus::Repeat => ("added", palette.good),
+        PoseStatus::Excluded => ("excluded", palette.warning),
     }
 }
 
-fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: Row) {
+fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: PoseRow) {
     let label = row.label;
     ui.add_space(GRID);
     ui.horizontal_wrapped(|ui| match row.standing {
-        PhaseStatus::Planned => {
+        PoseStatus::Planned => {
             let free = !model.link.is_measuring();
             let remove = icon_button(ui, icons::ICON_DELETE, "Remove from plan", free);
             if remove.clicked() {
                 outbox.send(RobotCommand::RemovePlanned(label));
             }
         }
-        PhaseStatus::Excluded => {
+        PoseStatus::Excluded => {
             if icon_button(ui, icons::ICON_VISIBILITY, "Include pose", true).clicked() {
                 outbox.send(Edit::Include(label));
             }
         }
-        PhaseStatus::Measured | PhaseStatus::Repeat if label == 0 => {
+        PoseStatus::Measured | PoseStatus::Repeat if label == 0 => {
             muted(
                 ui,
                 "The home pose cannot be excluded: revolutions are counted from it.",
             );
         }
-        PhaseStatus::Measured | PhaseStatus::Repeat => {
+        PoseStatus::Measured | PoseStatus::Repeat => {
             let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Exclude pose", true);
             if out.clicked() {
                 outbox.send(Edit::Exclude(label));

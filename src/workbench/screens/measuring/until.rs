@@ -1,4 +1,4 @@
-//! Measuring until goals are reached: the goals, and what is known while it is measured.
+//! Measuring until goals are reached: the goals, and the assessment after each pose.
 
 use egui::{Label, Ui};
 use tautline_core::sequential::{Assessment, FIRST_POSES, Goal};
@@ -15,12 +15,12 @@ use crate::widgets::{
     Entered, Number, Verdict, checkbox, meter, muted, number_checked, section, verdict,
 };
 
-/// What the panel remembers between frames.
+/// State between frames.
 #[derive(Debug)]
 pub(super) struct UntilState {
-    /// Goals as they were asked for last, one of each kind, also those that are not asked for now.
+    /// Goals as set last, one of each kind, including disabled ones.
     offered: [Goal; 3],
-    /// What is known, of a session and its revision; the end of a run is no revision.
+    /// Assessment, by session and revision, and by the end of the run, which does not change the revision.
     known: Memo<(u64, u64, Option<&'static str>), UntilDocument>,
 }
 
@@ -30,7 +30,7 @@ impl Default for UntilState {
             offered: [
                 Goal::Cause(0.95),
                 Goal::FaultFree(0.95),
-                // A usual frame is mounted as exactly.
+                // Usual accuracy of a mounted frame.
                 Goal::Accuracy(2e-3),
             ],
             known: Memo::default(),
@@ -38,9 +38,9 @@ impl Default for UntilState {
     }
 }
 
-/// A kind of goal as it is entered.
-struct Entry {
-    /// What is reached.
+/// Input of one kind of goal.
+struct GoalField {
+    /// Description of the goal.
     text: &'static str,
     /// Name of the field.
     name: &'static str,
@@ -49,15 +49,15 @@ struct Entry {
     scale: f64,
 }
 
-fn entry(goal: Goal) -> Entry {
-    let percent = |text, name| Entry {
+fn entry(goal: Goal) -> GoalField {
+    let percent = |text, name| GoalField {
         text,
         name,
         unit: "%",
         scale: 100.0,
     };
     match goal {
-        Goal::Accuracy(_) => Entry {
+        Goal::Accuracy(_) => GoalField {
             text: "All pulleys are accurate to",
             name: "Accuracy of the pulleys",
             unit: "mm",
@@ -81,7 +81,7 @@ fn is_same_kind(one: Goal, other: Goal) -> bool {
     one.name() == other.name()
 }
 
-/// Draws the switch and, where it is on, the goals.
+/// Draws the switch and, if it is on, the goals.
 pub(super) fn settings(ui: &mut Ui, model: &Model, state: &mut UntilState, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;
@@ -116,7 +116,7 @@ pub(super) fn settings(ui: &mut Ui, model: &Model, state: &mut UntilState, outbo
     }
 }
 
-/// A row for each kind of goal.
+/// Row for each kind of goal.
 fn goals(ui: &mut Ui, state: &mut UntilState, until: &mut UntilSettings, outbox: &mut Outbox) {
     for offered in &mut state.offered {
         let asked = until
@@ -127,7 +127,7 @@ fn goals(ui: &mut Ui, state: &mut UntilState, until: &mut UntilSettings, outbox:
             *offered = until.goals[place];
         }
         let mut is_asked = asked.is_some();
-        let Entry {
+        let GoalField {
             text,
             name,
             unit,
@@ -168,7 +168,7 @@ fn goals(ui: &mut Ui, state: &mut UntilState, until: &mut UntilSettings, outbox:
     }
 }
 
-/// Most poses that can be asked for.
+/// Largest number of poses to enter.
 const MOST_POSES: f64 = 500.0;
 
 fn limit(ui: &mut Ui, until: &mut UntilSettings, outbox: &mut Outbox) {
@@ -190,7 +190,7 @@ fn limit(ui: &mut Ui, until: &mut UntilSettings, outbox: &mut Outbox) {
     });
 }
 
-/// Draws what is known, and why the next pose was chosen or the run has ended.
+/// Draws the assessment, and the reason for the next pose or the end of the run.
 pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
     let (Some(open), Some(run)) = (&model.open, &model.link.run) else {
         return;
@@ -220,7 +220,7 @@ pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
     }
 }
 
-/// Each goal, and how far it is.
+/// Each goal with its present value.
 fn reached(ui: &mut Ui, until: &SequentialRun, known: &Assessment) {
     let palette = theme::of(ui);
     for goal in until.goals() {
@@ -262,7 +262,7 @@ fn reached(ui: &mut Ui, until: &SequentialRun, known: &Assessment) {
     }
 }
 
-/// The causes that are still possible.
+/// Causes that are still possible.
 fn causes(ui: &mut Ui, document: &UntilDocument) {
     if document.sets.is_empty() {
         return;
@@ -281,7 +281,7 @@ fn causes(ui: &mut Ui, document: &UntilDocument) {
     }
 }
 
-/// A name that may be long at the left, and a number at the right.
+/// Row with a name, which may be long, on the left and a number on the right.
 fn row(ui: &mut Ui, name: &str, number: &str) {
     ui.add_space(0.5 * GRID);
     ui.horizontal_top(|ui| {
@@ -292,7 +292,7 @@ fn row(ui: &mut Ui, name: &str, number: &str) {
     });
 }
 
-/// Why the present pose was chosen; after the end, why it ended and what would help.
+/// Reason for the present pose; after the end, reason for the end and advice.
 fn why(ui: &mut Ui, run: &RunLog, until: &SequentialRun, document: &UntilDocument) {
     if let Some(end) = until.end() {
         let kind = match document.goals.iter().all(|goal| goal.reached) {
@@ -307,7 +307,7 @@ fn why(ui: &mut Ui, run: &RunLog, until: &SequentialRun, document: &UntilDocumen
         }
         return;
     }
-    // While the next one is chosen, the last one is measured.
+    // While the next pose is being chosen, the last one is still measured.
     if run.has_ended() || until.is_deciding() {
         return;
     }

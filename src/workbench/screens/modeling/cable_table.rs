@@ -1,5 +1,5 @@
-//! Geometry and winches of all cables as a table of numbers in the units of the screen, with empty cells where nothing is
-//! known. A block that was copied from a spreadsheet is pasted into it.
+//! Geometry and winches of all cables as a table of numbers in display units, with empty cells for missing numbers. A
+//! block copied from a spreadsheet can be pasted.
 
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::{
@@ -9,21 +9,21 @@ use tautline_workflow::wording::{count, list};
 
 use crate::widgets::parse_number;
 
-/// Places of a block that are named in a refusal; a wrong column would fill the screen.
+/// Largest number of cells named in an error message; a wrong column would fill the screen.
 const MOST_NAMED: usize = 3;
 
 /// Meaning of an empty cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Empty {
-    /// The robot cannot be used without the number.
+    /// Required: the robot cannot be used without the number.
     Missing,
-    /// The number is not known or the part is rigid.
+    /// Unknown, or the part is rigid.
     Unknown,
-    /// The default of `robot.json`, in the unit of the screen.
+    /// Default of `robot.json`, in the display unit.
     Default(f64),
 }
 
-pub(crate) struct TableColumn {
+pub(crate) struct CableTableColumn {
     pub(crate) title: &'static str,
     pub(crate) unit: &'static str,
     pub(crate) decimals: usize,
@@ -33,7 +33,7 @@ pub(crate) struct TableColumn {
     number: CableNumber,
 }
 
-/// Place of a number in the description of a cable.
+/// Accessor of a number of a cable.
 #[derive(Clone, Copy)]
 enum CableNumber {
     Always(fn(&mut Cable) -> &mut f64),
@@ -43,7 +43,7 @@ enum CableNumber {
     },
 }
 
-impl TableColumn {
+impl CableTableColumn {
     const fn new(
         title: &'static str,
         unit: &'static str,
@@ -72,7 +72,7 @@ impl TableColumn {
         }
     }
 
-    /// Whether one number can be that of all cables.
+    /// Whether the number can be the same for all cables.
     pub(crate) fn is_common(&self) -> bool {
         !self.title.ends_with(['x', 'y', 'z'])
     }
@@ -100,24 +100,24 @@ impl TableColumn {
 }
 
 /// Pulley and platform anchor in the frames of base and platform, then winch and cable.
-pub(crate) static COLUMNS: [TableColumn; 18] = [
-    TableColumn::mm("Pulley x", 2, |c| &mut c.pulley.entry_point_m[0]),
-    TableColumn::mm("Pulley y", 2, |c| &mut c.pulley.entry_point_m[1]),
-    TableColumn::mm("Pulley z", 2, |c| &mut c.pulley.entry_point_m[2]),
-    TableColumn::mm("Anchor x", 2, |c| &mut c.platform_anchor_m[0]),
-    TableColumn::mm("Anchor y", 2, |c| &mut c.platform_anchor_m[1]),
-    TableColumn::mm("Anchor z", 2, |c| &mut c.platform_anchor_m[2]),
-    TableColumn::new("Swivel axis x", "", 1.0, 4, |c| {
+pub(crate) static COLUMNS: [CableTableColumn; 18] = [
+    CableTableColumn::mm("Pulley x", 2, |c| &mut c.pulley.entry_point_m[0]),
+    CableTableColumn::mm("Pulley y", 2, |c| &mut c.pulley.entry_point_m[1]),
+    CableTableColumn::mm("Pulley z", 2, |c| &mut c.pulley.entry_point_m[2]),
+    CableTableColumn::mm("Anchor x", 2, |c| &mut c.platform_anchor_m[0]),
+    CableTableColumn::mm("Anchor y", 2, |c| &mut c.platform_anchor_m[1]),
+    CableTableColumn::mm("Anchor z", 2, |c| &mut c.platform_anchor_m[2]),
+    CableTableColumn::new("Swivel axis x", "", 1.0, 4, |c| {
         &mut c.pulley.swivel_axis[0]
     }),
-    TableColumn::new("Swivel axis y", "", 1.0, 4, |c| {
+    CableTableColumn::new("Swivel axis y", "", 1.0, 4, |c| {
         &mut c.pulley.swivel_axis[1]
     }),
-    TableColumn::new("Swivel axis z", "", 1.0, 4, |c| {
+    CableTableColumn::new("Swivel axis z", "", 1.0, 4, |c| {
         &mut c.pulley.swivel_axis[2]
     }),
-    TableColumn::mm("Pulley radius", 2, |c| &mut c.pulley.radius_m),
-    TableColumn {
+    CableTableColumn::mm("Pulley radius", 2, |c| &mut c.pulley.radius_m),
+    CableTableColumn {
         title: "Position known to ±",
         unit: "mm",
         decimals: 1,
@@ -131,15 +131,15 @@ pub(crate) static COLUMNS: [TableColumn; 18] = [
             set: |c, sd| c.pulley.entry_point_sd_m = PerAxis::Same(sd),
         },
     },
-    TableColumn::mm("Drum diameter", 2, |c| &mut c.winch.drum_diameter_m),
-    TableColumn::mm("Drum pitch", 2, |c| &mut c.winch.drum_pitch_m).or(0.0),
-    TableColumn::new("Gear ratio", "", 1.0, 4, |c| &mut c.winch.gear_ratio).or(1.0),
-    TableColumn::mm("Cable length winch to pulley", 0, |c| {
+    CableTableColumn::mm("Drum diameter", 2, |c| &mut c.winch.drum_diameter_m),
+    CableTableColumn::mm("Drum pitch", 2, |c| &mut c.winch.drum_pitch_m).or(0.0),
+    CableTableColumn::new("Gear ratio", "", 1.0, 4, |c| &mut c.winch.gear_ratio).or(1.0),
+    CableTableColumn::mm("Cable length winch to pulley", 0, |c| {
         &mut c.winch.length_to_pulley_m
     })
     .or(0.0),
-    TableColumn::mm("Length noise", 3, |c| &mut c.winch.length_sd_m),
-    TableColumn {
+    CableTableColumn::mm("Length noise", 3, |c| &mut c.winch.length_sd_m),
+    CableTableColumn {
         title: "Axial stiffness",
         unit: "kN",
         decimals: 1,
@@ -150,13 +150,13 @@ pub(crate) static COLUMNS: [TableColumn; 18] = [
             set: |c, stiffness| c.cable.axial_stiffness_n = stiffness,
         },
     },
-    TableColumn::new("Weight", "N/m", 1.0, 3, |c| &mut c.cable.weight_n_per_m).or(0.0),
+    CableTableColumn::new("Weight", "N/m", 1.0, 3, |c| &mut c.cable.weight_n_per_m).or(0.0),
 ];
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CableTable {
     pub(crate) names: Vec<String>,
-    /// Row by row, in the units of the screen.
+    /// Cells by rows, in display units.
     pub(crate) cells: Vec<[Option<f64>; COLUMNS.len()]>,
 }
 
@@ -172,7 +172,7 @@ impl CableTable {
         }
     }
 
-    /// The first `count` rows; new ones are empty.
+    /// Resizes the table to `count` rows; new ones are empty.
     pub(crate) fn resize(&mut self, count: usize) {
         let new = self.names.len()..count;
         self.names.truncate(count);
@@ -184,7 +184,7 @@ impl CableTable {
         format!("{} of {}", COLUMNS[column].title, self.names[row])
     }
 
-    /// The number of all cables; `None` where they differ.
+    /// Number that all cables share; `None` if they differ.
     pub(crate) fn common(&self, column: usize) -> Option<f64> {
         let mut values = self.cells.iter().map(|row| row[column]);
         let first = values.next()??;
@@ -195,7 +195,7 @@ impl CableTable {
         self.cells.iter_mut().for_each(|row| row[column] = value);
     }
 
-    /// Numbers without which the robot cannot be used, column by column with the cables that lack them.
+    /// Required numbers that are missing, by columns, with their cables.
     pub(crate) fn missing(&self) -> Vec<String> {
         let required = COLUMNS.iter().enumerate();
         let required = required.filter(|(_, column)| column.empty == Empty::Missing);
@@ -215,8 +215,8 @@ impl CableTable {
             .collect()
     }
 
-    /// Pastes a block of cells separated by tabs or semicolons, with decimal points or commas, at the cell and to the right
-    /// and below it. Returns the number of cells; nothing changes if one cannot be read.
+    /// Pastes a block of cells separated by tabs or semicolons, with decimal points or commas, at the cell and to the
+    /// right and below it. Returns the number of cells; nothing changes if one is invalid.
     pub(crate) fn paste(
         &mut self,
         (row, column): (usize, usize),
@@ -270,7 +270,7 @@ impl CableTable {
         Err(format!("Nothing was pasted. {}.", wrong.join("; ")))
     }
 
-    /// The robot with the numbers of this table; what the table does not change keeps all its digits.
+    /// Robot with the numbers of this table; unchanged numbers keep all their digits.
     pub(crate) fn applied_to(&self, robot: &Robot) -> Result<Robot, String> {
         let before = Self::of(robot);
         let mut robot = robot.clone();
@@ -281,7 +281,7 @@ impl CableTable {
         checked(robot)
     }
 
-    /// A robot of this table; home pose, instruments and payload are described afterwards.
+    /// Robot from this table; home pose, instruments and payload are described later.
     pub(crate) fn to_robot(&self, name: &str) -> Result<Robot, String> {
         let rows = self.names.iter().zip(&self.cells);
         let cables = rows.map(|(name, row)| {
@@ -296,14 +296,14 @@ impl CableTable {
     }
 }
 
-/// Cells of a block, row by row.
+/// Cells of a block, by rows.
 fn block(text: &str) -> Vec<Vec<&str>> {
     let separator = if text.contains('\t') { '\t' } else { ';' };
     let lines = text.trim_end_matches(['\r', '\n']).lines();
     lines.map(|line| line.split(separator).collect()).collect()
 }
 
-/// Whether a text is more than one cell.
+/// Whether a text has more than one cell.
 pub(crate) fn is_block(text: &str) -> bool {
     text.trim_end_matches(['\r', '\n'])
         .contains(['\t', ';', '\n'])
@@ -340,7 +340,7 @@ fn checked(robot: Robot) -> Result<Robot, String> {
     }
 }
 
-/// A cable whose numbers are all still to be set.
+/// Cable without any number.
 fn empty_cable(name: &str) -> Cable {
     Cable {
         name: name.to_owned(),

@@ -1,4 +1,4 @@
-//! Elongation of the cables over length and tension.
+//! Elongation of the cables as a function of length and tension.
 
 use egui::Ui;
 use tautline_core::cable::ElongationSurface;
@@ -8,8 +8,8 @@ use crate::screens::bench_panel::{Bench, TableInput, or_dash};
 use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, value,
-    verdict,
+    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
+    value, verdict,
 };
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::precalibration::{ElongationFit, Table};
@@ -27,11 +27,11 @@ const FIELDS: [RowField; 3] = [
     ),
 ];
 
-/// Colours of the slices, one for each length at which the surface is drawn.
+/// Colours of the slices, one for each length of a drawn slice.
 const INKS: [Ink; 4] = [Ink::Muted, Ink::Text, Ink::Accent, Ink::Warning];
-/// Points this near to a slice are drawn with it, in halves of the measured range.
+/// Distance from a slice within which points are drawn with it, in halves of the measured range.
 const NEAR: f64 = 0.02;
-/// Points of a drawn slice.
+/// Number of points of a drawn slice.
 const STEPS: usize = 32;
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     points(ui, bench, input);
 }
 
-/// The elongation that the robot has, in words.
+/// Present elongation of the robot, in words.
 fn now(bench: &Bench<'_>) -> String {
     let cables = bench.robot().cables.iter().map(|cable| &cable.cable);
     let surfaces = cables.clone().filter_map(|c| c.elongation_surface.as_ref());
@@ -108,10 +108,10 @@ fn judge(ui: &mut Ui, fit: &ElongationFit) {
 fn degrees(ui: &mut Ui, fit: &ElongationFit) {
     section(ui, "Degree, by cross-validation");
     let columns = [
-        Column::words("Degree"),
-        Column::number("Coefficients", ""),
-        Column::number("Cross-validation error", "mm"),
-        Column::words("Choice"),
+        TableColumn::words("Degree"),
+        TableColumn::number("Coefficients", ""),
+        TableColumn::number("Cross-validation error", "mm"),
+        TableColumn::words("Choice"),
     ];
     let chosen = fit.choice.surface.degree;
     let good = theme::of(ui).good;

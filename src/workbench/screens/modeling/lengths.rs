@@ -10,11 +10,11 @@ use tautline_core::robot::Robot;
 use super::pose;
 use crate::screens::bench_panel::{Bench, or_dash};
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Cell, Column, Verdict, muted, table, verdict};
+use crate::widgets::{Cell, TableColumn, Verdict, muted, table, verdict};
 
 /// Height of a bar (points).
 const BAR: f32 = 3.0 * GRID;
-/// Least width of a part that is not zero (points).
+/// Smallest width of a non-zero part (points).
 const LEAST: f32 = 3.0;
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
@@ -51,14 +51,14 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     numbers(ui, bench, &shares);
 }
 
-/// The length of a cable, part by part.
+/// Length of a cable by parts.
 #[derive(Debug)]
 struct Share {
-    /// Straight line from the pulley to the platform (m).
+    /// Straight length from the pulley to the platform (m).
     free_m: f64,
-    /// Around the pulley (m).
+    /// Length around the pulley (m).
     wrapped_m: f64,
-    /// Effect of its tension; one sentence where that is unknown.
+    /// Effect of the tension, or a sentence if it is unknown.
     under_load: Result<UnderLoad, String>,
 }
 
@@ -70,7 +70,7 @@ struct UnderLoad {
     sag_m: f64,
 }
 
-/// The length of every cable at `pose`; `tensions_n` where they are known.
+/// Length of each cable at `pose`, with the effect of `tensions_n` if known.
 fn shares(
     robot: &Robot,
     pose: &Pose,
@@ -116,7 +116,7 @@ fn share(cable: &LengthBreakdown, tension_n: f64) -> Share {
     }
 }
 
-/// Every reason once why something is not known.
+/// Distinct reasons for unknown parts.
 fn reasons(shares: &[Share]) -> Vec<&str> {
     let mut reasons: Vec<&str> = Vec::new();
     for share in shares {
@@ -129,12 +129,12 @@ fn reasons(shares: &[Share]) -> Vec<&str> {
     reasons
 }
 
-/// Everything that a bar shows (m).
+/// Total length of a bar (m).
 fn total(share: &Share) -> f64 {
     parts(share).iter().map(|(_, metres)| metres).sum()
 }
 
-/// Name and size of the parts (m).
+/// Name and length of the parts (m).
 fn parts(share: &Share) -> [(&'static str, f64); 4] {
     let load = share.under_load.as_ref().ok();
     [
@@ -204,12 +204,12 @@ fn bar(ui: &mut Ui, bench: &mut Bench<'_>, cable: usize, share: &Share, longest:
 
 fn numbers(ui: &mut Ui, bench: &mut Bench<'_>, shares: &[Share]) {
     let columns = [
-        Column::words("Cable"),
-        Column::number("Free span", "mm"),
-        Column::number("Wrap", "mm"),
-        Column::number("Elongation", "mm"),
-        Column::number("Sag", "mm"),
-        Column::number("Tension", "N"),
+        TableColumn::words("Cable"),
+        TableColumn::number("Free span", "mm"),
+        TableColumn::number("Wrap", "mm"),
+        TableColumn::number("Elongation", "mm"),
+        TableColumn::number("Sag", "mm"),
+        TableColumn::number("Tension", "N"),
     ];
     let rows: Vec<Vec<Cell>> = shares
         .iter()

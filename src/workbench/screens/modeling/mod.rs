@@ -1,5 +1,5 @@
-//! The panel of the phase Modeling: the description of the robot with its tolerances, elongation of the cables, pulleys,
-//! where their length goes.
+//! Panel of the phase Modeling: description of the robot with its tolerances, elongation of the cables, pulleys,
+//! composition of the lengths.
 
 pub(crate) mod cable_table;
 pub(crate) mod description;
@@ -20,7 +20,7 @@ use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum Part {
+enum PanelPart {
     #[default]
     Elongation,
     Pulleys,
@@ -32,7 +32,7 @@ enum Part {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    part: Part,
+    part: PanelPart,
     elongation: TableInput,
     focused: description::cables::FocusedCell,
     identity: description::identity::Drafts,
@@ -40,14 +40,14 @@ pub struct PanelState {
 }
 
 impl PanelState {
-    /// Opens the part about elongation.
+    /// Opens the part Elongation.
     pub fn show_elongation(&mut self) {
-        self.part = Part::Elongation;
+        self.part = PanelPart::Elongation;
     }
 
-    /// Opens the description of the robot.
+    /// Opens the part Description.
     pub fn show_description(&mut self) {
-        self.part = Part::Description;
+        self.part = PanelPart::Description;
     }
 }
 
@@ -65,28 +65,28 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let open = bench.open;
     let rows = [
         (
-            Part::Elongation,
+            PanelPart::Elongation,
             "Elongation",
             phase_status::elongation(open),
         ),
-        (Part::Pulleys, "Pulleys", phase_status::pulleys(open)),
-        (Part::Lengths, "Cable lengths", lengths),
-        (Part::Description, "Description", description),
+        (PanelPart::Pulleys, "Pulleys", phase_status::pulleys(open)),
+        (PanelPart::Lengths, "Cable lengths", lengths),
+        (PanelPart::Description, "Description", description),
         (
-            Part::Tolerances,
+            PanelPart::Tolerances,
             "Tolerances",
             phase_status::tolerances(open),
         ),
     ];
     parts(ui, rows, &mut panel.part);
     match panel.part {
-        Part::Elongation => elongation::show(ui, &mut bench, &mut panel.elongation),
-        Part::Pulleys => pulleys::show(ui, &mut bench),
-        Part::Lengths => lengths::show(ui, &mut bench),
-        Part::Description => {
+        PanelPart::Elongation => elongation::show(ui, &mut bench, &mut panel.elongation),
+        PanelPart::Pulleys => pulleys::show(ui, &mut bench),
+        PanelPart::Lengths => lengths::show(ui, &mut bench),
+        PanelPart::Description => {
             let drafts = (&mut panel.focused, &mut panel.identity);
             description::show(ui, &mut bench, drafts);
         }
-        Part::Tolerances => tolerances::show(ui, &mut bench, &mut panel.tolerances),
+        PanelPart::Tolerances => tolerances::show(ui, &mut bench, &mut panel.tolerances),
     }
 }

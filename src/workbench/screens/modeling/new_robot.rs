@@ -1,4 +1,4 @@
-//! A robot from an empty table: every number that it needs comes from the operator.
+//! New robot from an empty table, in which the operator enters every number.
 
 use egui::{DragValue, Frame, Margin, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
@@ -74,7 +74,7 @@ fn name_and_count(ui: &mut Ui, draft: &mut Draft) {
     });
 }
 
-/// What is missing, or the step to the session.
+/// Missing numbers, or the button that creates the session.
 fn finish(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Outbox) {
     let missing = draft.table.missing();
     let has_name = !draft.name.trim().is_empty();

@@ -1,21 +1,20 @@
-//! The pose that the panel is about: the selected one, else home.
+//! Pose shown by the panel: the selected one, otherwise the home pose.
 
 use tautline_core::geometry::Pose;
 
 use crate::screens::bench_panel::Bench;
 
-/// A pose with what is known there.
-pub struct Shown {
-    /// What it is called, such as "home".
+/// Pose with its tensions.
+pub struct PanelPose {
+    /// Name, such as "home".
     pub name: String,
     pub pose: Pose,
-    /// Tensions (N), if all cables were measured there.
+    /// Tensions (N), if measured at all cables.
     pub tensions_n: Option<Vec<f64>>,
 }
 
-/// The selected pose as it was identified or else commanded; home if none is selected or its place is
-/// not known.
-pub fn shown(bench: &Bench<'_>) -> Option<Shown> {
+/// Selected pose as identified, otherwise as commanded; the home pose if none is selected or its position is unknown.
+pub fn shown(bench: &Bench<'_>) -> Option<PanelPose> {
     let measurements = &bench.session().measurements;
     let row = |label: i64| measurements.labels.iter().position(|l| *l == label);
     if let Some(label) = bench.selection.pose
@@ -23,14 +22,14 @@ pub fn shown(bench: &Bench<'_>) -> Option<Shown> {
         && let Some(pose) =
             identified(bench, label).or_else(|| measurements.commanded.get(row).copied().flatten())
     {
-        return Some(Shown {
+        return Some(PanelPose {
             name: format!("pose {label}"),
             pose,
             tensions_n: tensions(bench, row),
         });
     }
     let home = bench.robot().home.as_ref()?;
-    Some(Shown {
+    Some(PanelPose {
         name: "home".to_owned(),
         pose: home.pose(),
         tensions_n: measurements.home_row().and_then(|row| tensions(bench, row)),

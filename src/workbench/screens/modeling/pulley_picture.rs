@@ -1,4 +1,4 @@
-//! A pulley to scale, seen across its plane.
+//! Picture of a pulley to scale, seen perpendicular to its plane.
 
 use std::f32::consts::PI;
 
@@ -12,11 +12,11 @@ use crate::widgets::muted;
 
 /// Height of the picture (points).
 const HEIGHT: f32 = 208.0;
-/// What is shown around the wheel, in radii to each side of its middle.
+/// Extent of the picture around the wheel, in radii to each side.
 const REACH: f32 = 2.1;
 
-/// Draws wheel, incoming cable, wrap and free cable. The swivel axis is upright; it points down where
-/// the cable comes from above.
+/// Draws wheel, incoming cable, wrap and free cable. The swivel axis is vertical; it points down if the cable comes
+/// from above.
 pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     let Some(cable) = robot.cables.get(index) else {
         return;
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     .enumerate()
     {
         let galley = painter.layout_no_wrap(text, font.clone(), palette.muted);
-        // It can be read where the cable runs behind it, too.
+        // Readable even if the cable runs behind it.
         let place = corner + Vec2::new(0.0, 4.0 * GRID * line as f32);
         let rect = Rect::from_min_size(place, galley.size());
         painter.rect_filled(rect, 0.0, palette.ground);
@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     response.on_hover_text("The pulley in its plane, to scale. Dashed: the swivel axis, along which the cable comes from the drum. Arc: the wrapped cable.");
 }
 
-/// From radii about the middle of the wheel to the screen.
+/// Transformation from radii about the centre of the wheel to the screen.
 struct View {
     centre: Pos2,
     radius: f32,
@@ -82,12 +82,12 @@ impl View {
         }
     }
 
-    /// `across` away from the swivel axis, `along` it in the direction of travel.
+    /// Point at a distance `across` from the swivel axis and `along` it in the direction of travel, in radii.
     fn at(&self, across: f32, along: f32) -> Pos2 {
         self.centre + Vec2::new(across, self.up * along) * self.radius
     }
 
-    /// Point of the rim after a wrap.
+    /// Point of the rim at a wrap angle.
     fn rim(&self, wrap: f32) -> Pos2 {
         self.at(-wrap.cos(), wrap.sin())
     }
@@ -115,7 +115,7 @@ fn cables(ui: &Ui, view: &View, rect: Rect, wrap: f32, colour: egui::Color32) {
     let steps = (wrap / PI * 48.0).ceil().max(1.0);
     let arc = (0..=steps as usize).map(|k| view.rim(wrap * k as f32 / steps));
     painter.add(Shape::line(arc.collect(), Stroke::new(4.0, colour)));
-    // The free cable leaves along the tangent.
+    // The free cable leaves tangentially.
     let exit = view.rim(wrap);
     let (sin, cos) = wrap.sin_cos();
     let direction = Vec2::new(sin, view.up * cos);

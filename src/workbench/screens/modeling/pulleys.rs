@@ -1,4 +1,4 @@
-//! Pulleys: radius, swivel axis, and what they do at the pose shown.
+//! Pulleys: radius, swivel axis, and their state at the shown pose.
 
 use egui::Ui;
 use tautline_core::geometry::Vec3;
@@ -11,7 +11,7 @@ use crate::model::edit::Edit;
 use crate::screens::bench_panel::{Bench, or_dash};
 use crate::views::pulley_inspector;
 use crate::widgets::{
-    Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,
+    Cell, Entered, Number, TableColumn, Verdict, muted, number, section, table, verdict,
 };
 use tautline_workflow::wording::units::fixed;
 
@@ -53,11 +53,11 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
 
 fn overview(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, states: Option<&[CableState]>) {
     let columns = [
-        Column::words("Cable"),
-        Column::number("Radius", "mm"),
-        Column::number("Swivel axis", "x, y, z"),
-        Column::number("Wrap", "°"),
-        Column::number("Swivel", "°"),
+        TableColumn::words("Cable"),
+        TableColumn::number("Radius", "mm"),
+        TableColumn::number("Swivel axis", "x, y, z"),
+        TableColumn::number("Wrap", "°"),
+        TableColumn::number("Swivel", "°"),
     ];
     let cables = bench.robot().cables.iter().enumerate();
     let rows: Vec<Vec<Cell>> = cables
@@ -121,7 +121,7 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     });
 }
 
-/// Sets a coordinate of the axis and makes it a unit vector again.
+/// Sets a component of the axis and normalises it.
 fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Result<(), String> {
     let Some(cable) = robot.cables.get_mut(cable) else {
         return Ok(());
@@ -135,7 +135,7 @@ fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Resul
     Ok(())
 }
 
-/// Applies an entry, or refuses it.
+/// Applies an entry, or rejects it.
 fn change(
     bench: &mut Bench<'_>,
     entered: Option<Entered>,

@@ -1,4 +1,4 @@
-//! Tolerances of the parts: exact, typical or stated, with what each changes in the readings.
+//! Tolerances of the parts: exact, typical or stated, with their effect on the readings.
 
 use egui::{Align, Label, Layout, RichText, Ui, Vec2};
 use tautline_core::effect::find;
@@ -19,7 +19,7 @@ use crate::widgets::{Entered, Number, Verdict, choice, muted, number_checked, ve
 const TYPICAL: f32 = 14.0 * GRID;
 const FIELD: f32 = 17.0 * GRID;
 const CHANGE: f32 = 16.0 * GRID;
-/// Digits of a tolerance, and of a change of a reading.
+/// Significant digits of a tolerance, and of a change of a reading.
 const DIGITS: i32 = 3;
 const DIGITS_OF_CHANGE: i32 = 2;
 
@@ -76,7 +76,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     table(ui, bench, in_readings.as_ref().ok());
 }
 
-/// Whether parts are exact, and by what they deviate otherwise.
+/// Choice between exact parts, typical tolerances and stated ones.
 fn choose(ui: &mut Ui, bench: &mut Bench<'_>) {
     let robot = bench.robot();
     let now = Choice::of(robot.tolerances.as_ref());
@@ -174,7 +174,7 @@ fn table(ui: &mut Ui, bench: &mut Bench<'_>, in_readings: Option<&DeviationsInRe
     }
 }
 
-/// A line with a name at the left and numbers in columns at the right.
+/// Row with a name on the left and columns of numbers on the right.
 fn line(ui: &mut Ui, name: RichText, numbers: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0 * GRID;
@@ -187,7 +187,7 @@ fn line(ui: &mut Ui, name: RichText, numbers: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// A right-aligned text in a column.
+/// Right-aligned text in a column.
 fn column(ui: &mut Ui, width: f32, text: impl Into<RichText>) {
     let height = ui.spacing().interact_size.y;
     let layout = Layout::right_to_left(Align::Center);
@@ -211,7 +211,7 @@ fn head(ui: &mut Ui, has_fields: bool) {
     ui.separator();
 }
 
-/// A part with its tolerances, the source of the typical one, and the cables that are named in the file.
+/// Part with its tolerances, the source of the typical one, and the cables named in the file.
 fn row(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
@@ -265,19 +265,19 @@ fn row(
     ui.add_space(GRID);
 }
 
-/// A number of the stated tolerances.
+/// Field of a stated tolerance.
 struct Tolerance<'a> {
     name: &'a str,
-    /// In the SI unit.
+    /// Value in the SI unit.
     value: Option<f64>,
     /// Display units per SI unit.
     per_si: f64,
     unit: &'a str,
-    /// Whether it may be empty.
+    /// Whether the field may be empty.
     is_optional: bool,
 }
 
-/// Draws the field of a tolerance and sets what is entered.
+/// Draws the field of a tolerance and sets the entered value.
 fn edit(
     ui: &mut Ui,
     bench: &mut Bench<'_>,

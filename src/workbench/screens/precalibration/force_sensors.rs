@@ -4,7 +4,7 @@ use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, ForceSensorCalibration};
 use tautline_core::robot::Cable;
 use tautline_session::{ForcePair, PhaseData};
 
-use super::pairs::{ByPairs, Fitted, Pair, Quality, Words};
+use super::pairs::{Calibrated, Fitted, InstrumentTexts, Pair, Quality};
 use crate::widgets::{Numbers, RowField};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
@@ -15,11 +15,11 @@ const FIELDS: [RowField; 2] = [
 
 pub struct ForceSensors;
 
-impl ByPairs for ForceSensors {
+impl Calibrated for ForceSensors {
     type Pair = ForcePair;
     type Fit = ForceSensorCalibration;
 
-    const WORDS: Words = Words {
+    const WORDS: InstrumentTexts = InstrumentTexts {
         table: Table::Force,
         one: "Sensor",
         several: "force sensors",

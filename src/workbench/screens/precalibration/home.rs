@@ -1,4 +1,4 @@
-//! Home platform: the home pose from six distances.
+//! Home platform: home pose from six distances.
 
 use egui::Ui;
 use tautline_core::geometry::Pose;
@@ -11,7 +11,8 @@ use super::home_poses::{self, PoseInput};
 use crate::screens::bench_panel::{Bench, TableInput, decimals_for, or_dash};
 use crate::theme;
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
+    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
+    verdict,
 };
 use tautline_workflow::precalibration::Table;
 
@@ -20,7 +21,7 @@ const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
     "a sensor from 1 to 6",
 );
 
-/// What is typed for the part.
+/// Input of the part.
 #[derive(Debug, Default)]
 pub struct HomeInput {
     table: TableInput,
@@ -53,7 +54,7 @@ fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         Some(Ok(measured)) => {
             judge(ui, platform, measured);
             pose(ui, bench, measured);
-            // With other measurements the mean of all is what can be applied.
+            // With other measurements only the mean of all is applied.
             if bench.session().phases.home_poses.is_empty() {
                 let proposal = &calibration.with_home;
                 bench.propose(ui, proposal, "Apply pose", "apply measured home pose");
@@ -89,7 +90,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
         verdict(ui, Verdict::Doubtful, &text);
     }
     for (k, (sensor, repeats)) in platform.sensors.iter().zip(&measured.sensors).enumerate() {
-        // Five readings or more determine a spread to a factor of about 1.5.
+        // From five readings the standard deviation is known to a factor of about 1.5.
         if repeats.count >= 5 && repeats.sd_m > 3.0 * sensor.sd_m {
             let (spread, stated) = (repeats.sd_m * 1e3, sensor.sd_m * 1e3);
             let text = format!(
@@ -153,11 +154,11 @@ fn coordinates(pose: &Pose) -> [f64; 6] {
 
 fn sensors(ui: &mut Ui, measured: &HomeMeasurement) {
     let columns = [
-        Column::words("Sensor"),
-        Column::number("Readings", ""),
-        Column::number("Mean", "mm"),
-        Column::number("Std. dev.", "mm"),
-        Column::words("Range"),
+        TableColumn::words("Sensor"),
+        TableColumn::number("Readings", ""),
+        TableColumn::number("Mean", "mm"),
+        TableColumn::number("Std. dev.", "mm"),
+        TableColumn::words("Range"),
     ];
     let palette = theme::of(ui);
     let rows: Vec<Vec<Cell>> = measured
@@ -182,7 +183,7 @@ fn sensors(ui: &mut Ui, measured: &HomeMeasurement) {
     table(ui, &columns, &rows, None);
 }
 
-/// Unit of the readings: volts if the sensors have curves, else millimetres.
+/// Field of the readings: in volts if the sensors have curves, otherwise in millimetres.
 fn reading_field(platform: &HomePlatform) -> RowField {
     let in_volts = platform.sensors.iter().any(|sensor| sensor.curve.is_some());
     let in_metres = platform.sensors.iter().any(|sensor| sensor.curve.is_none());

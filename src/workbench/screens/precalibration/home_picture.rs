@@ -1,4 +1,4 @@
-//! The six sensors of the home platform, drawn in a parallel projection.
+//! Picture of the home platform's six sensors, in a parallel projection.
 
 use egui::{
     Align2, Color32, Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo,
@@ -12,20 +12,19 @@ use tautline_workflow::precalibration::home_start_in_reference;
 
 /// Height of the picture (points).
 const HEIGHT: f32 = 208.0;
-/// Half the edge of a drawn plane, relative to the largest extent of what is drawn.
+/// Half the edge of a drawn plane, relative to the largest extent of the scene.
 const PATCH: f64 = 0.16;
 
-/// What is drawn, in the reference frame (m).
+/// Scene in the reference frame (m).
 struct Scene {
-    /// Origin, point hit, plane of each sensor.
+    /// Origin, hit point and index of the plane of each sensor.
     beams: Vec<(Vec3, Vec3, usize)>,
     /// Corners of the planes.
     patches: Vec<[Vec3; 4]>,
     platform: Pose,
 }
 
-/// Draws the sensors, their beams, the planes of the platform and its frame, at the pose measured or
-/// else at home.
+/// Draws the sensors, their beams, the planes of the platform and its frame, at the measured pose, otherwise at home.
 pub fn show(ui: &mut Ui, bench: &Bench<'_>, platform: &HomePlatform) {
     let size = Vec2::new(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -96,7 +95,7 @@ impl Scene {
     }
 }
 
-/// Where a sensor is and where its beam meets its plane, with the platform at `pose`.
+/// Origin of a sensor and intersection of its beam with its plane, for the platform at `pose`.
 fn meet(sensor: &HomeSensor, plane: &Plane, pose: &Pose) -> Option<(Vec3, Vec3)> {
     let (origin, direction) = (Vec3::from(sensor.origin_m), Vec3::from(sensor.direction));
     let normal = pose.orientation * Vec3::from(plane.normal);
@@ -106,7 +105,7 @@ fn meet(sensor: &HomeSensor, plane: &Plane, pose: &Pose) -> Option<(Vec3, Vec3)>
     hit.iter().all(|v| v.is_finite()).then_some((origin, hit))
 }
 
-/// A square in the plane through `middle` that has all `hits` inside.
+/// Square in the plane through `middle` that contains all `hits`.
 fn patch(middle: Vec3, normal: Vec3, hits: &[Vec3], margin: f64) -> [Vec3; 4] {
     let helper = if normal.z.abs() < 0.9 {
         Vec3::z()

@@ -1,4 +1,4 @@
-//! Measurements of the home pose by other instruments than the home platform, and the mean of all.
+//! Home poses measured by instruments other than the home platform, and the mean of all.
 
 use egui::{TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
@@ -10,16 +10,16 @@ use crate::model::edit::Edit;
 use crate::screens::bench_panel::Bench;
 use crate::theme::GRID;
 use crate::widgets::{
-    Cell, Column, PoseFields, Verdict, icon_only, muted, parse_number, primary, section, table,
-    verdict,
+    Cell, PoseFields, TableColumn, Verdict, icon_only, muted, parse_number, primary, section,
+    table, verdict,
 };
 
 use super::home::pose_table;
 
-/// Probability of a spread below which the stated standard deviations are doubted.
+/// p-value of the spread below which the stated standard deviations are doubted.
 const DOUBTFUL: f64 = 0.01;
 
-/// What is typed for the next measurement.
+/// Input of the next measurement.
 #[derive(Debug, Default)]
 pub struct PoseInput {
     pose: PoseFields,
@@ -27,7 +27,7 @@ pub struct PoseInput {
     sds: [String; 2],
 }
 
-/// Draws the measurements and the fields for one more.
+/// Draws the measurements and the fields for another one.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
     let home = bench.robot().home;
     section(ui, "Measured by another instrument");
@@ -77,11 +77,11 @@ fn list(ui: &mut Ui, bench: &mut Bench<'_>) {
         return;
     }
     let columns = [
-        Column::words("Measurement"),
-        Column::number("x", "mm"),
-        Column::number("y", "mm"),
-        Column::number("z", "mm"),
-        Column::number("±", "mm"),
+        TableColumn::words("Measurement"),
+        TableColumn::number("x", "mm"),
+        TableColumn::number("y", "mm"),
+        TableColumn::number("z", "mm"),
+        TableColumn::number("±", "mm"),
     ];
     let rows: Vec<Vec<Cell>> = (1..)
         .zip(poses)
@@ -102,7 +102,7 @@ fn list(ui: &mut Ui, bench: &mut Bench<'_>) {
     }
 }
 
-/// Fields for the standard deviations of one measurement (m, rad); empty ones are those of the last.
+/// Fields for the standard deviations of a measurement (m, rad); empty ones repeat those of the last.
 fn deviations(
     ui: &mut Ui,
     texts: &mut [String; 2],
@@ -146,7 +146,7 @@ fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Vec<HomePo
     bench.outbox.send(edit);
 }
 
-/// Draws the mean of all measurements and the step that uses it.
+/// Draws the mean of all measurements and the step that applies it.
 pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
     let calibration = bench.calibration;
     let Some(average) = &calibration.home_average else {

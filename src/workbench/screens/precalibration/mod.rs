@@ -1,4 +1,4 @@
-//! The panel of the phase Pre-calibration: winches, force sensors, home platform.
+//! Panel of the phase Pre-calibration: winches, force sensors, home platform.
 
 mod force_sensors;
 mod home;
@@ -18,7 +18,7 @@ use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
+pub enum PanelPart {
     /// Cable per revolution.
     #[default]
     Winches,
@@ -30,7 +30,7 @@ pub enum Part {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    pub part: Part,
+    pub part: PanelPart,
     winches: TableInput,
     force_sensors: TableInput,
     home: HomeInput,
@@ -43,20 +43,20 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     };
     let of = bench.calibration;
     let rows = [
-        (Part::Winches, "Winches", phase_status::winches(of)),
+        (PanelPart::Winches, "Winches", phase_status::winches(of)),
         (
-            Part::ForceSensors,
+            PanelPart::ForceSensors,
             "Force sensors",
             phase_status::force_sensors(of),
         ),
-        (Part::Home, "Home platform", phase_status::home(of)),
+        (PanelPart::Home, "Home platform", phase_status::home(of)),
     ];
     parts(ui, rows, &mut panel.part);
     match panel.part {
-        Part::Winches => pairs::show::<Winches>(ui, &mut bench, &mut panel.winches),
-        Part::ForceSensors => {
+        PanelPart::Winches => pairs::show::<Winches>(ui, &mut bench, &mut panel.winches),
+        PanelPart::ForceSensors => {
             pairs::show::<ForceSensors>(ui, &mut bench, &mut panel.force_sensors);
         }
-        Part::Home => home::show(ui, &mut bench, &mut panel.home),
+        PanelPart::Home => home::show(ui, &mut bench, &mut panel.home),
     }
 }

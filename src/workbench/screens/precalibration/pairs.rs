@@ -1,4 +1,4 @@
-//! What is calibrated cable by cable with pairs of a known and a read value: winches and force sensors.
+//! Calibration of each cable by pairs of a known and a read value: winches and force sensors.
 
 use egui::Ui;
 use tautline_core::robot::Cable;
@@ -8,61 +8,61 @@ use crate::screens::bench_panel::{
     Bench, Residuals, TableInput, decimals_for, or_dash, verdict_cell,
 };
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
+    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
+    verdict,
 };
 use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::{fixed, signed};
 
-/// A pair of a table.
+/// Pair of a table.
 pub trait Pair: Sized {
     fn cable(&self) -> usize;
 
-    /// Its numbers in the order of the columns (SI units).
+    /// Numbers in the order of the columns (SI units).
     fn numbers(&self) -> Numbers;
 
-    /// The pair of these numbers; `None` if one is missing.
+    /// Pair from its numbers; `None` if one is missing.
     fn of(cable: usize, numbers: Numbers) -> Option<Self>;
 }
 
-/// How well the pairs of a cable fit, in the unit of the residuals that people read.
+/// Quality of the fit of a cable, in the display unit of the residuals.
 #[derive(Debug, Clone, Copy)]
 pub struct Quality<'a> {
-    /// Whether they stay within the limit.
+    /// Whether the residuals are within the limit.
     pub passed: bool,
     pub spread: f64,
-    /// Largest residual, whatever its sign.
+    /// Largest absolute residual.
     pub largest: f64,
-    /// The residuals (SI units).
+    /// Residuals (SI units).
     pub residuals: &'a [f64],
 }
 
-/// A fitted value of a cable beside that of the robot, in the unit that people read.
+/// Fitted value of a cable and the present one, in display units.
 #[derive(Debug, Clone, Copy)]
 pub struct Fitted {
-    /// What the robot has.
+    /// Present value of the robot.
     pub current: Option<f64>,
-    /// What was fitted, with its standard deviation.
+    /// Fitted value.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the fitted value.
     pub sd: f64,
-    /// Least and most decimals.
+    /// Smallest and largest number of decimals.
     pub decimals: [usize; 2],
 }
 
-/// What is written about a kind of instruments.
+/// Texts and columns for a kind of instrument.
 #[derive(Debug, Clone, Copy)]
-pub struct Words {
-    /// The file of its table.
+pub struct InstrumentTexts {
     pub table: Table,
     pub one: &'static str,
-    /// Several, in a sentence.
+    /// Plural, for sentences.
     pub several: &'static str,
-    /// What to do while there are no pairs.
+    /// Instruction while there are no pairs.
     pub instruction: &'static str,
-    /// Where to look if a pair is off.
+    /// Advice for a pair outside the limit.
     pub advice: &'static str,
-    /// Along what residuals are drawn.
+    /// Name and unit of the horizontal axis of the residuals.
     pub along: (&'static str, &'static str),
     /// Columns of the pairs.
     pub fields: &'static [RowField],
@@ -70,43 +70,42 @@ pub struct Words {
     pub values_title: &'static str,
     /// Name and unit of each fitted value.
     pub values: &'static [(&'static str, &'static str)],
-    /// Unit of the residuals that people read, and how many of it are one SI unit.
+    /// Display unit of the residuals, and its number per SI unit.
     pub unit: (&'static str, f64),
-    /// Largest residual that passes, in that unit.
+    /// Limit of a residual, in that unit.
     pub limit: f64,
-    /// Decimals of a residual in a sentence.
+    /// Decimals of a residual in text.
     pub decimals: usize,
 }
 
-/// A kind of instruments that are calibrated by pairs.
-pub trait ByPairs {
+/// Kind of instrument that is calibrated by pairs.
+pub trait Calibrated {
     type Pair: Pair;
     type Fit;
-    /// What is written about it.
-    const WORDS: Words;
+    const WORDS: InstrumentTexts;
 
-    /// The fits of all that were measured.
+    /// Fits of all measured cables.
     fn fits(calibration: &Calibration) -> &[PerCable<Self::Fit>];
 
-    /// How good one is.
+    /// Quality of a fit.
     fn quality(fit: &Self::Fit) -> Quality<'_>;
 
-    /// The pairs of a session.
+    /// Pairs of a session.
     fn pairs(phases: &PhaseData) -> &[Self::Pair];
 
     fn pairs_mut(phases: &mut PhaseData) -> &mut Vec<Self::Pair>;
 
-    /// Along what the residual of a pair is drawn.
+    /// Horizontal position of a pair's residual.
     fn place(pair: &Self::Pair) -> f64;
 
-    /// The fitted values of a cable, in the order of [`Words::values`].
+    /// Fitted values of a cable, in the order of [`InstrumentTexts::values`].
     fn values(fit: &Self::Fit, cable: &Cable) -> Vec<Fitted>;
 
-    /// The robot with these values.
+    /// Robot with these values.
     fn proposal(calibration: &Calibration) -> &Proposal;
 }
 
-pub fn show<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
+pub fn show<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     bench.import(ui, I::WORDS.table, &mut input.path);
     let fits = I::fits(bench.calibration);
     let chosen = bench.chosen_cable(fits, |fit| I::quality(fit).passed);
@@ -121,7 +120,7 @@ pub fn show<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInp
     pairs::<I>(ui, bench, chosen, input);
 }
 
-fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
+fn judge<I: Calibrated>(ui: &mut Ui, bench: &Bench<'_>) {
     let fits = I::fits(bench.calibration);
     let words = I::WORDS;
     let (limit, unit, decimals) = (words.limit, words.unit.0, words.decimals);
@@ -151,14 +150,14 @@ fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
     }
 }
 
-fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
+fn table_of_fits<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     let unit = I::WORDS.unit.0;
     let columns = [
-        Column::words(I::WORDS.one),
-        Column::number("Pairs", ""),
-        Column::number("Std. dev.", unit),
-        Column::number("Largest residual", unit),
-        Column::words("Result"),
+        TableColumn::words(I::WORDS.one),
+        TableColumn::number("Pairs", ""),
+        TableColumn::number("Std. dev.", unit),
+        TableColumn::number("Largest residual", unit),
+        TableColumn::words("Result"),
     ];
     let fits = I::fits(bench.calibration);
     let rows: Vec<Vec<Cell>> = fits
@@ -183,7 +182,7 @@ fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) 
     }
 }
 
-fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
+fn residuals<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let (unit, per_si) = I::WORDS.unit;
     let of_cable = |one: &PerCable<I::Fit>| {
         let pairs = I::pairs(&bench.session().phases).iter();
@@ -206,19 +205,19 @@ fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     bench.residuals(ui, plot);
 }
 
-/// The fitted values beside those of the robot, and the step that puts them into it.
-fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
+/// Fitted values and the present ones, and the step that applies them.
+fn values<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let words = I::WORDS;
     section(ui, words.values_title);
-    let mut columns = vec![Column::words(words.one)];
+    let mut columns = vec![TableColumn::words(words.one)];
     for (name, unit) in words.values {
-        columns.push(Column::number(name, unit));
-        columns.extend(["Measured", "±"].map(|title| Column::number(title, unit)));
+        columns.push(TableColumn::number(name, unit));
+        columns.extend(["Measured", "±"].map(|title| TableColumn::number(title, unit)));
     }
-    // More columns than these would not fit.
+    // There is no room for more columns.
     let shows_change = words.values.len() == 1;
     if shows_change {
-        columns.push(Column::number("Change", words.values[0].1));
+        columns.push(TableColumn::number("Change", words.values[0].1));
     }
     let row = |PerCable { cable, fit }: &PerCable<I::Fit>| {
         let mut cells = vec![bench.cable_cell(ui, *cable)];
@@ -244,7 +243,7 @@ fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     bench.propose(ui, proposal, "Apply values", &what);
 }
 
-fn pairs<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &mut TableInput) {
+fn pairs<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &mut TableInput) {
     section(ui, &format!("Pairs of {}", bench.cable_name(chosen)));
     bench.choose_cable(ui, chosen);
     let pairs = I::pairs(&bench.session().phases).iter();

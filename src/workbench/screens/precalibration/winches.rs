@@ -4,7 +4,7 @@ use tautline_core::instrument::{WINCH_RESIDUAL_LIMIT_M, WinchCalibration};
 use tautline_core::robot::Cable;
 use tautline_session::{PhaseData, WinchPair};
 
-use super::pairs::{ByPairs, Fitted, Pair, Quality, Words};
+use super::pairs::{Calibrated, Fitted, InstrumentTexts, Pair, Quality};
 use crate::widgets::{Numbers, RowField};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
@@ -16,11 +16,11 @@ const FIELDS: [RowField; 3] = [
 
 pub struct Winches;
 
-impl ByPairs for Winches {
+impl Calibrated for Winches {
     type Pair = WinchPair;
     type Fit = WinchCalibration;
 
-    const WORDS: Words = Words {
+    const WORDS: InstrumentTexts = InstrumentTexts {
         table: Table::Winch,
         one: "Winch",
         several: "winches",

@@ -1,4 +1,4 @@
-//! The folder of the record at the top: typed, picked, or dropped on the window.
+//! Choice of the record's folder: typed, in a dialog, or dropped on the window.
 
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     ui.horizontal(|ui| match model.record.folder() {
         Some(folder) => {
             if ui.button("Change").clicked() {
-                // The path stays to be changed.
+                // The path remains, for editing.
                 panel.path = folder.display().to_string();
                 outbox.send(RecordCommand::Close);
             }
@@ -51,7 +51,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     });
 }
 
-/// Whether the record is read, well or not.
+/// Whether reading the record has ended, with or without success.
 fn is_read(model: &Model) -> bool {
     model.record.result().is_some()
 }

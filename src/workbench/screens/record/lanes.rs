@@ -1,4 +1,4 @@
-//! The course of each part over the sessions, in small plots whose dates are zoomed together.
+//! Plots of each part over the sessions, with a common time axis.
 
 use std::sync::Arc;
 
@@ -15,16 +15,16 @@ use crate::theme::GRID;
 use crate::views::plots::small::{Linked, legend_of, show_linked};
 use crate::widgets::{muted, section};
 
-/// Least width of a plot, its height, and the space between two (points).
+/// Smallest width of a plot, its height, and the gap between plots (points).
 const WIDTH: f32 = 330.0;
 const HEIGHT: f32 = 168.0;
 const GAP: f32 = 2.0 * GRID;
 
-/// The plots of a record.
+/// Plots of a record.
 #[derive(Debug)]
 pub(super) struct Lanes {
     plots: Vec<(RobotPart, Arc<Figure>)>,
-    /// The frame in which they were made.
+    /// Number of the frame in which they were computed.
     generation: u64,
 }
 
@@ -76,7 +76,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbo
     });
 }
 
-/// What the legend of a plot says.
+/// Names in the legend of a plot.
 fn names(figure: &Figure) -> Vec<&str> {
     let series = figure.series.iter().map(|one| one.name.as_str());
     let curves = figure.curves.iter().map(|one| one.name.as_str());

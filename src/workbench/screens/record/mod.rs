@@ -1,4 +1,4 @@
-//! The record of a robot: what moved, drifted or stayed over its sessions.
+//! Record of a robot: displacements and drift of its parts over the sessions.
 
 mod chooser;
 mod lanes;
@@ -19,11 +19,11 @@ use tautline_workflow::wording::units::mm;
 
 use crate::model::Model;
 use crate::model::command::{Outbox, READING_RECORD, RecordCommand};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::record::{CheckedPair, OpenRecord};
 use crate::theme::GRID;
 use crate::views::ViewStates;
-use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SideNames, Subject};
+use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SceneInputs, SideNames};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
     Entered, Number, Verdict, choice, empty, muted, number_checked, one_part, panel_frame, section,
@@ -33,22 +33,22 @@ use crate::widgets::{
 #[derive(Debug, Default)]
 pub struct PanelState {
     path: String,
-    /// The session whose pulleys the 3D view shows, by its place in the order of time.
+    /// Session whose pulleys are shown in 3D, by its index in order of time.
     shown: usize,
-    /// Sessions that were clicked to be compared, the last one last.
+    /// Sessions selected for a comparison, in the order of clicks.
     chosen: Vec<usize>,
-    /// What a small window shows.
-    part: Part,
-    /// What was drawn last.
+    /// Part shown in a small window.
+    part: ScreenPart,
+    /// Record drawn last.
     drawn: Option<Drawn>,
 }
 
-/// A record as it is drawn.
+/// Record prepared for drawing.
 #[derive(Debug)]
 struct Drawn {
     open: Arc<OpenRecord>,
     shown: usize,
-    /// The pulleys of the first session beside those of the one that is shown.
+    /// Pulleys of the first session and of the shown one.
     scene: Arc<Scene>,
     lanes: lanes::Lanes,
 }
@@ -130,7 +130,7 @@ fn opened(
     panel.drawn = Some(drawn);
 }
 
-/// Everything beside each other.
+/// All parts side by side.
 fn wide(
     ui: &mut Ui,
     model: &Model,
@@ -153,7 +153,7 @@ fn wide(
     CentralPanel::no_frame().show(ui, |ui| robot(ui, model, drawn, (panel, views), outbox));
 }
 
-/// One part at a time, where the window has no room for all of them.
+/// One part at a time, in a small window.
 fn compact(
     ui: &mut Ui,
     model: &Model,
@@ -162,20 +162,20 @@ fn compact(
     outbox: &mut Outbox,
 ) {
     let parts = [
-        (Part::Panel, "Changes"),
-        (Part::Robot, "3D view"),
-        (Part::Plots, "Courses"),
+        (ScreenPart::Panel, "Changes"),
+        (ScreenPart::Robot, "3D view"),
+        (ScreenPart::Plots, "Courses"),
     ];
     let mut part = panel.part;
     one_part(ui, &mut part, parts, |ui, part| match part {
-        Part::Panel => changes(ui, model, drawn, panel, outbox),
-        Part::Robot => robot(ui, model, drawn, (panel, views), outbox),
-        Part::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
+        ScreenPart::Panel => changes(ui, model, drawn, panel, outbox),
+        ScreenPart::Robot => robot(ui, model, drawn, (panel, views), outbox),
+        ScreenPart::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
     });
     panel.part = part;
 }
 
-/// The pulleys in 3D at a date, and the slider that chooses it.
+/// Pulleys in 3D at a date, and the slider for it.
 fn robot(
     ui: &mut Ui,
     model: &Model,
@@ -204,7 +204,7 @@ fn robot(
     show_beside(ui, &drawn.scene, model.selection, view, outbox);
 }
 
-/// What the picture shows of the selected pulley.
+/// Text on the path of the selected pulley.
 fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
     let moved = |index: usize| drawn.scene.cables.get(index)?.moved;
     let selected = selection.cable;
@@ -218,7 +218,7 @@ fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
     )
 }
 
-/// The panel at the right: what changed, when to calibrate again, and the sessions.
+/// Panel on the right: changes, date of the next calibration, sessions.
 fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = &drawn.open;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -276,7 +276,7 @@ fn tolerance(ui: &mut Ui, known: Tolerance, outbox: &mut Outbox) {
     });
 }
 
-/// What a health check came to.
+/// Result of a health check.
 fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
     let [before, now] = checked
         .sessions
@@ -301,12 +301,12 @@ fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
     }
 }
 
-/// The pulleys of the first session, and beside them where they are in the one that is shown.
+/// Pulleys of the first session, and of the shown one.
 fn scene(open: &OpenRecord, shown: usize) -> Scene {
     let first = &open.record.sessions[0].identification;
-    let subject = Subject {
+    let subject = SceneInputs {
         fit: Some(first),
-        ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+        ..SceneInputs::new(&first.dataset.robot, &first.dataset.measurements)
     };
     let cables = 0..open.record.robot().cables.len();
     let paths = PulleyPaths {
@@ -319,13 +319,13 @@ fn scene(open: &OpenRecord, shown: usize) -> Scene {
     scene
 }
 
-/// The index of a pulley among the parts of the record.
+/// Index of a pulley among the parts of the record.
 fn part_of(open: &OpenRecord, cable: usize) -> Option<usize> {
     let mut parts = open.found.history.parts.iter();
     parts.position(|part| *part == RobotPart::Pulley(cable))
 }
 
-/// How far a pulley is from its place in the first session, in each session.
+/// Displacements of a pulley from the first session, in each session.
 fn path(open: &OpenRecord, cable: usize) -> Vec<Vec3> {
     let history = &open.found.history;
     let Some(part) = part_of(open, cable) else {
@@ -345,7 +345,7 @@ fn path(open: &OpenRecord, cable: usize) -> Vec<Vec3> {
     states.iter().map(|state| by(&state.value)).collect()
 }
 
-/// How far a pulley is from its place in the first session.
+/// Displacement of a pulley from the first session to the shown one.
 fn displacement(
     open: &OpenRecord,
     cable: usize,
@@ -372,7 +372,7 @@ fn displacement(
     displacement
 }
 
-/// The cable of a part of the robot, for its selection.
+/// Selection for a part of the robot.
 fn selection_of(part: &RobotPart) -> Option<Selection> {
     match part {
         RobotPart::Pulley(cable) => Some(Selection::cable(*cable)),

@@ -1,4 +1,4 @@
-//! The sessions of a record as a table; two that are clicked can be compared.
+//! Table of the sessions of a record; two selected ones can be compared.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::PanelState;
 use crate::model::command::{Outbox, RecordCommand};
 use crate::model::record::OpenRecord;
 use crate::theme;
-use crate::widgets::{Cell, Column, muted, table};
+use crate::widgets::{Cell, TableColumn, muted, table};
 
 pub(super) fn show(
     ui: &mut Ui,
@@ -25,7 +25,7 @@ pub(super) fn show(
         .into_iter()
         .filter(|one| one.is_used(&sessions))
         .collect();
-    let heads: Vec<Column<'_>> = columns.iter().map(|one| one.head).collect();
+    let heads: Vec<TableColumn<'_>> = columns.iter().map(|one| one.head).collect();
     let cells = sessions.iter().enumerate().map(|(index, row)| {
         let name = match panel.chosen.iter().position(|known| *known == index) {
             Some(side) => format!("{} ({})", row.name, ["A", "B"][side]),
@@ -69,23 +69,23 @@ pub(super) fn show(
     );
 }
 
-/// A column of the table.
-struct Described {
-    head: Column<'static>,
+/// Column of the table, shown if a session has a value for it.
+struct RecordColumn {
+    head: TableColumn<'static>,
     cell: Box<dyn Fn(&RecordRow) -> Cell>,
-    /// Whether a session has something to say in it.
+    /// Whether a session has a value for the column.
     is_said: fn(&RecordRow) -> bool,
 }
 
-impl Described {
+impl RecordColumn {
     fn is_used(&self, sessions: &[RecordRow]) -> bool {
         sessions.iter().any(self.is_said)
     }
 }
 
-fn columns(ui: &Ui) -> [Described; 8] {
+fn columns(ui: &Ui) -> [RecordColumn; 8] {
     let palette = theme::of(ui);
-    let always = |head, cell| Described {
+    let always = |head, cell| RecordColumn {
         head,
         cell,
         is_said: |_| true,
@@ -105,42 +105,42 @@ fn columns(ui: &Ui) -> [Described; 8] {
     };
     [
         always(
-            Column::words("Session"),
+            TableColumn::words("Session"),
             Box::new(|row| Cell::new(&row.name)),
         ),
-        Described {
-            head: Column::words("Measured"),
+        RecordColumn {
+            head: TableColumn::words("Measured"),
             cell: Box::new(|row| Cell::new(row.time.map_or_else(|| "–".to_owned(), date))),
             is_said: |row| row.time.is_some(),
         },
-        Described {
-            head: Column::words("Operator"),
+        RecordColumn {
+            head: TableColumn::words("Operator"),
             cell: Box::new(|row| Cell::new(row.operator.clone().unwrap_or_default())),
             is_said: |row| row.operator.is_some(),
         },
         always(
-            Column::number("Poses", ""),
+            TableColumn::number("Poses", ""),
             Box::new(|row| Cell::new(row.poses.to_string())),
         ),
-        always(Column::words("Model"), Box::new(model)),
+        always(TableColumn::words("Model"), Box::new(model)),
         always(
-            Column::number("Largest move", "mm"),
+            TableColumn::number("Largest move", "mm"),
             Box::new(move |row| millimetres(row.largest_move_m)),
         ),
-        Described {
-            head: Column::number("Accuracy after", "mm"),
+        RecordColumn {
+            head: TableColumn::number("Accuracy after", "mm"),
             cell: Box::new(move |row| millimetres(row.accuracy_after_m)),
             is_said: |row| row.accuracy_after_m.is_some(),
         },
-        Described {
-            head: Column::words("Effects"),
+        RecordColumn {
+            head: TableColumn::words("Effects"),
             cell: Box::new(|row| Cell::new(list(&row.findings))),
             is_said: |row| !row.findings.is_empty(),
         },
     ]
 }
 
-/// Takes a session among the two that are compared, the earlier first; the one that was clicked longest ago leaves.
+/// Adds a session to the two compared ones, the earlier first, in place of the one clicked longest ago.
 fn choose(chosen: &mut Vec<usize>, index: usize) {
     match chosen.iter().position(|known| *known == index) {
         Some(at) => {

@@ -1,9 +1,9 @@
-//! Lines about files and the program.
+//! Menu items for files and the program.
 
 use egui::Key;
 
-use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu};
+use super::super::state::AppState;
+use super::{CONTROL, CONTROL_SHIFT, Menu, MenuItem};
 use crate::model::command::{
     CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand, ViewCommand,
 };
@@ -12,28 +12,28 @@ use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::recent_facts;
 
-/// Most sessions that the menu offers to open again.
+/// Largest number of recent sessions in the menu.
 const RECENT: usize = 5;
 const GROUP: &str = "Open recent";
 
-/// Sessions that are offered to be opened again.
-fn recent(state: &State) -> Vec<Item> {
+/// Menu items of recent sessions.
+fn recent(state: &AppState) -> Vec<MenuItem> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
     let recent = recent.map(|session| {
         let open = FileCommand::Open(session.path().to_owned());
         let title = format!("{} ({})", session.name, recent_facts(session));
         Menu::File.line(title, true, open).within(GROUP)
     });
-    let mut items: Vec<Item> = recent.collect();
+    let mut items: Vec<MenuItem> = recent.collect();
     if items.is_empty() {
-        // The lines below it stay where they are.
+        // Keeps the position of the items below.
         let none = Menu::File.line("No session yet", false, FileCommand::AskOpen);
         items.push(none.within(GROUP));
     }
     items
 }
 
-pub fn lines(state: &State) -> Vec<Item> {
+pub fn lines(state: &AppState) -> Vec<MenuItem> {
     let open = state.model.open.is_some();
     let session = state.model.open.as_ref().map(|open| open.session());
     let measured = session.is_some_and(|session| !session.measurements.is_empty());

@@ -1,11 +1,11 @@
-//! The table of commands that menus, shortcuts and the command palette share.
+//! Table of menu items, shared by menus, shortcuts and the command palette.
 
 mod file;
 mod view;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-use super::state::State;
+use super::state::AppState;
 use crate::model::command::{
     Command, CompareCommand, DIAGNOSING, FileCommand, HypothesisCommand, IDENTIFYING,
     IdentificationCommand, RecordCommand, RobotCommand, STOP, Setup, ViewCommand,
@@ -22,7 +22,7 @@ pub enum Menu {
     /// Undo and redo.
     Edit,
     View,
-    /// What computes.
+    /// Computations.
     Model,
     /// The robot and its controller.
     Robot,
@@ -54,21 +54,21 @@ impl Menu {
 }
 
 #[derive(Debug, Clone)]
-pub struct Item {
+pub struct MenuItem {
     pub menu: Menu,
-    /// The menu below this one in which it is, if any.
+    /// Submenu, if any.
     pub(crate) group: Option<&'static str>,
     pub title: String,
     pub shortcut: Option<KeyboardShortcut>,
-    /// Whether it can be used now.
+    /// Whether the item is available.
     pub enabled: bool,
-    /// Whether a line separates it from those above it.
+    /// Whether a separator precedes the item.
     pub(crate) begins: bool,
     pub commands: Vec<Command>,
 }
 
-impl Item {
-    /// What it does, for those who do not see its menu.
+impl MenuItem {
+    /// Name that is clear without the menu, for the command palette.
     pub(crate) fn name(&self) -> String {
         match self.group {
             Some(group) => format!("{group}: {}", self.title),
@@ -76,7 +76,7 @@ impl Item {
         }
     }
 
-    /// The same with keys.
+    /// Adds a keyboard shortcut.
     fn keys(self, modifiers: Modifiers, key: Key) -> Self {
         Self {
             shortcut: Some(KeyboardShortcut::new(modifiers, key)),
@@ -84,7 +84,7 @@ impl Item {
         }
     }
 
-    /// The first line of its kind.
+    /// Marks the item as the first of a section.
     fn first(self) -> Self {
         Self {
             begins: true,
@@ -106,9 +106,9 @@ const CONTROL_SHIFT: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 
-/// All lines of all menus, in the state of the program.
+/// All menu items in the present state of the program.
 #[must_use]
-pub fn items(state: &State) -> Vec<Item> {
+pub fn items(state: &AppState) -> Vec<MenuItem> {
     let mut items = file::lines(state);
     items.extend(edit(state));
     items.extend(view::lines(state));
@@ -119,9 +119,14 @@ pub fn items(state: &State) -> Vec<Item> {
 }
 
 impl Menu {
-    /// A line of it.
-    fn line(self, title: impl Into<String>, enabled: bool, command: impl Into<Command>) -> Item {
-        Item {
+    /// Item of this menu.
+    fn line(
+        self,
+        title: impl Into<String>,
+        enabled: bool,
+        command: impl Into<Command>,
+    ) -> MenuItem {
+        MenuItem {
             menu: self,
             group: None,
             title: title.into(),
@@ -133,7 +138,7 @@ impl Menu {
     }
 }
 
-fn help(state: &State) -> Vec<Item> {
+fn help(state: &AppState) -> Vec<MenuItem> {
     let page = Page::of(state.model.screen);
     let manual = |title: &str, page| Menu::Help.line(title, true, ViewCommand::Manual(Some(page)));
     let here = format!("Help on this screen: {}", page.title());
@@ -147,7 +152,7 @@ fn help(state: &State) -> Vec<Item> {
     ]
 }
 
-fn edit(state: &State) -> Vec<Item> {
+fn edit(state: &AppState) -> Vec<MenuItem> {
     let [undo, redo] = state.model.next_steps();
     let line = |what: &str, name: Option<&str>, command: Command| {
         let title = name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"));
@@ -159,7 +164,7 @@ fn edit(state: &State) -> Vec<Item> {
     ]
 }
 
-fn model(state: &State) -> Vec<Item> {
+fn model(state: &AppState) -> Vec<MenuItem> {
     let model = &state.model;
     let computing = [IDENTIFYING, DIAGNOSING]
         .iter()
@@ -198,8 +203,8 @@ fn model(state: &State) -> Vec<Item> {
     ]
 }
 
-/// The one thing to do next, as the foot of the phase has it.
-fn next(state: &State) -> Item {
+/// Next step of the phase, as in its footer.
+fn next(state: &AppState) -> MenuItem {
     let step = match state.model.screen {
         Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses()),
         _ => None,
@@ -222,7 +227,7 @@ fn next(state: &State) -> Item {
         Some((title, commands)) => (format!("Next: {title}"), commands),
         None => ("Next step".to_owned(), Vec::new()),
     };
-    Item {
+    MenuItem {
         menu: Menu::Model,
         group: None,
         title,
@@ -233,7 +238,7 @@ fn next(state: &State) -> Item {
     }
 }
 
-fn robot(state: &State) -> Vec<Item> {
+fn robot(state: &AppState) -> Vec<MenuItem> {
     let link = &state.model.link;
     let open = state.model.open.as_ref();
     let (connected, armed) = (link.is_connected(), link.is_armed());
@@ -241,7 +246,7 @@ fn robot(state: &State) -> Vec<Item> {
     let measured = open.is_some_and(|open| open.session().measurements.len() > 1);
     let line = |title, enabled, command: RobotCommand| Menu::Robot.line(title, enabled, command);
     let ask = |title, enabled, request: LinkRequest| Menu::Robot.line(title, enabled, request);
-    let stop = Item {
+    let stop = MenuItem {
         shortcut: Some(STOP),
         ..line("Stop the robot", connected, RobotCommand::Stop)
     };

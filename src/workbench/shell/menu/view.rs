@@ -1,16 +1,16 @@
-//! Lines about what is shown.
+//! Menu items for the view.
 
 use egui::{Key, Modifiers, ThemePreference};
 
-use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu};
+use super::super::state::AppState;
+use super::{CONTROL, CONTROL_SHIFT, Menu, MenuItem};
 use crate::model::command::{PoseStep, ViewCommand};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 
 const DIGITS: [Key; 5] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
 
-pub fn lines(state: &State) -> Vec<Item> {
+pub fn lines(state: &AppState) -> Vec<MenuItem> {
     let model = &state.model;
     let open = model.open.is_some();
     let view =
@@ -19,7 +19,7 @@ pub fn lines(state: &State) -> Vec<Item> {
         let title = format!("Go to {}. {}", step.number(), step.title());
         view(&title, open, ViewCommand::Go(Screen::Phase(*step))).keys(CONTROL, digit)
     });
-    let mut items: Vec<Item> = phases.collect();
+    let mut items: Vec<MenuItem> = phases.collect();
     let scale = model.context.zoom_factor();
     let is_phase = matches!(model.screen, Screen::Phase(_));
     let is_restorable = is_phase && model.maximised.is_some();
@@ -40,11 +40,11 @@ pub fn lines(state: &State) -> Vec<Item> {
         .first(),
         pose("Show the next pose", PoseStep::Next).keys(Modifiers::ALT, Key::ArrowRight),
         pose("Show the previous pose", PoseStep::Previous).keys(Modifiers::ALT, Key::ArrowLeft),
-        part("Maximise the 3D view", Part::Robot)
+        part("Maximise the 3D view", ScreenPart::Robot)
             .keys(none, Key::F7)
             .first(),
-        part("Maximise the plots", Part::Plots).keys(none, Key::F8),
-        part("Maximise the panel", Part::Panel).keys(none, Key::F9),
+        part("Maximise the plots", ScreenPart::Plots).keys(none, Key::F8),
+        part("Maximise the panel", ScreenPart::Panel).keys(none, Key::F9),
         view("Restore panels", is_restorable, ViewCommand::Maximise(None)).keys(none, Key::F6),
         view("Command palette", true, ViewCommand::Palette(true))
             .keys(CONTROL_SHIFT, Key::P)

@@ -1,4 +1,4 @@
-//! The rows above a plot: options, cursor readings, saving.
+//! Rows above a plot: options, cursor readings, saving.
 
 use std::sync::Arc;
 
@@ -11,13 +11,13 @@ use super::sources::variable;
 use super::view::CursorColumn;
 use crate::model::command::{Format, Outbox, PlotCommand};
 use crate::model::{Model, OpenSession};
-use crate::widgets::{Cell, Column, icon_only, table};
+use crate::widgets::{Cell, TableColumn, icon_only, table};
 use tautline_workflow::plot::Figure;
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
 
-/// Options, cursor readings and buttons.
+/// Draws options, cursor readings and buttons.
 pub(crate) fn options(
     ui: &mut Ui,
     (model, open): (&Model, &OpenSession),
@@ -27,7 +27,7 @@ pub(crate) fn options(
 ) {
     let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
-        // Two choices leave no room for buttons.
+        // Two combo boxes leave no room for buttons.
         let has_menu = is_narrow && plots.kind == &variable::PLOT;
         let prepared = plots.prepared().cloned();
         let input = OptionsInput {
@@ -61,12 +61,12 @@ pub(crate) fn options(
 /// Height of a row of the table of cursors (points).
 const CURSOR_ROW: f32 = 16.0;
 
-/// What the cursors read.
+/// Table of the cursor readings.
 fn cursors(ui: &mut Ui, columns: &[CursorColumn]) {
     let heads = columns
         .iter()
-        .map(|column| Column::number(&column.title, &column.unit));
-    let heads: Vec<Column<'_>> = [Column::words("")].into_iter().chain(heads).collect();
+        .map(|column| TableColumn::number(&column.title, &column.unit));
+    let heads: Vec<TableColumn<'_>> = [TableColumn::words("")].into_iter().chain(heads).collect();
     let names = ["A", "B", "B \u{2212} A"].into_iter().enumerate();
     let row = |(k, name): (usize, &str)| {
         let values = columns.iter().map(|column| Cell::new(&column.values[k]));
@@ -91,7 +91,7 @@ fn buttons(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {
     }
 }
 
-/// The same as a menu, where there is no room for buttons.
+/// Menu with the buttons, for a narrow plot.
 fn menu(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {
     let more = icon_only(ui, icons::ICON_MORE_VERT, "This plot", true);
     Popup::menu(&more).show(|ui| {

@@ -1,4 +1,4 @@
-//! Choices above the plots, and the widgets that offer them.
+//! Options above the plots and their widgets.
 
 use egui::{ComboBox, Role, Ui, WidgetInfo, vec2};
 use tautline_core::diagnosis::Quantity;
@@ -10,48 +10,48 @@ use crate::model::plot_preparation::Prepared;
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum ResidualUnit {
-    /// Their own standard deviations.
+    /// Standard deviations of the residuals.
     #[default]
     Deviations,
     Millimetres,
 }
 
-/// What is shown of tensions.
+/// Plotted values of tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum TensionsShown {
-    /// What the sensors read.
+    /// Measured by the force sensors.
     #[default]
     Measured,
-    /// What is predicted from all readings, less what the sensors read.
+    /// Predicted from all readings, minus measured.
     Residuals,
 }
 
-/// What is shown over time.
+/// Readings plotted over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum CourseReading {
-    /// How much longer each cable is than at the first pose.
+    /// Change of each cable length since the first pose.
     #[default]
     Lengths,
-    /// What the force sensors read, as tension.
+    /// Tensions from the force sensors.
     Tensions,
     Laser,
-    /// The position by an external instrument.
+    /// Position measured by an external instrument.
     Position,
 }
 
-/// What is plotted along what.
+/// Quantity and variable of a plot by variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct VariableChoice {
-    /// Kind of reading.
+    /// Quantity of the readings.
     pub(crate) quantity: Quantity,
-    /// Cable, if the reading is a cable's.
+    /// Cable, for readings of a cable.
     pub(crate) cable: Option<usize>,
-    /// Along what.
+    /// Variable of the horizontal axis.
     pub(crate) variable: Variable,
 }
 
 impl VariableChoice {
-    /// The strongest dependence found, or the length of the first cable.
+    /// Strongest dependence found, otherwise the length of the first cable.
     pub(crate) fn first(prepared: &Prepared, diagnosed: Option<&Diagnosed>) -> Option<Self> {
         let found = diagnosed.and_then(|found| found.diagnosis.discrepancies.first());
         let strongest = found.map(|d| Self {
@@ -70,7 +70,7 @@ impl VariableChoice {
         })
     }
 
-    /// Whether a diagnosis found a dependence here.
+    /// Whether a diagnosis found a dependence of this quantity on this variable.
     pub(super) fn is_dependence(self, diagnosed: &Diagnosed) -> bool {
         let mut found = diagnosed.diagnosis.discrepancies.iter();
         found.any(|d| {
@@ -78,7 +78,7 @@ impl VariableChoice {
         })
     }
 
-    /// Values of the variable by row, if they are known.
+    /// Values of the variable by row, if known.
     pub(crate) fn values(self, prepared: &Prepared) -> Option<&[f64]> {
         let mut along = prepared.along.iter();
         let group = along.find(|a| (a.quantity, a.cable) == (self.quantity, self.cable))?;
@@ -88,7 +88,7 @@ impl VariableChoice {
     }
 }
 
-/// One of several: beside each other, or in a menu where there is no room.
+/// Choice from several options, side by side or as a menu in a narrow plot.
 pub(super) fn choose<T: Copy + PartialEq>(
     ui: &mut Ui,
     (name, is_narrow): (&str, bool),
@@ -113,7 +113,7 @@ pub(super) fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&m
     combo_within(ui, (name, None), selected, add);
 }
 
-/// A menu of its natural or a given width, cut where its place ends.
+/// Menu of its natural or a given width, clipped to the available space.
 pub(super) fn combo_within(
     ui: &mut Ui,
     (name, width): (&str, Option<f32>),
@@ -122,7 +122,7 @@ pub(super) fn combo_within(
 ) {
     let shown = ComboBox::from_id_salt(name).selected_text(selected);
     let shown = match width {
-        // A text is cut where its place ends, whatever width is asked for.
+        // The text is clipped to the space, whatever the requested width.
         Some(width) => {
             let size = vec2(width, ui.spacing().interact_size.y);
             let shown = shown.width(width).truncate();

@@ -1,4 +1,4 @@
-//! Finds the point under the pointer and describes it in a tooltip.
+//! Point under the pointer, and its tooltip.
 
 use egui::Pos2;
 
@@ -9,20 +9,20 @@ use tautline_workflow::plot::scale::{Scale, readable};
 use super::sources::POSE;
 use crate::model::Selection;
 
-/// Farthest distance at which a point is hit (points of the screen).
+/// Largest distance at which a point is hit (points of the screen).
 const REACH: f32 = 9.0;
 
-/// A point of a series.
+/// Point of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Hit {
     /// Index of the series.
     pub(crate) series: usize,
-    /// Index of the point in it.
+    /// Index of the point in the series.
     pub(crate) point: usize,
 }
 
-/// The point that is nearest to a place, drawn or covered by others; of points that are equally near, that of the
-/// selected cable. Points stand in the order of x, so that only those within reach are looked at.
+/// Point nearest to a position, even if covered by others; among equally near points, that of the selected cable.
+/// Points are sorted by x, so that only those within reach are examined.
 pub(crate) fn nearest(
     figure: &Figure,
     scale: &Scale,
@@ -124,7 +124,7 @@ mod tests {
         let rect = Rect::from_min_max(Pos2::ZERO, Pos2::new(200.0, 100.0));
         let view = [[0.0, 1e5], [-5.0, 5.0]];
         let scale = Scale { view, rect };
-        // 500 points in each column of pixels: one lies apart from the least and the greatest.
+        // 500 points per column of pixels, one of them apart from the minimum and maximum.
         let point = |k: i32| Point {
             pose: Some(i64::from(k)),
             ..Point::new(f64::from(k), if k % 2 == 0 { 4.0 } else { -4.0 })

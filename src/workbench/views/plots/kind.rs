@@ -1,4 +1,4 @@
-//! What a kind of plot is: names, options and content.
+//! Kind of a plot: name, options and content.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -18,41 +18,41 @@ pub(crate) struct PlotKind {
     pub(crate) id: &'static str,
     /// Label in the window.
     pub(crate) title: &'static str,
-    /// Why there is nothing to show, if there is not.
+    /// Reason why there are no data, if so.
     pub(crate) missing: fn(&OpenSession) -> Option<&'static str>,
-    /// Adds the choices above the plot; they are menus if there is little room.
+    /// Draws the options above the plot, as menus in a narrow plot.
     pub(crate) options: fn(&mut Ui, &mut PlotOptions, &OptionsInput<'_>),
     pub(crate) content: Content,
 }
 
-/// What a plot shows below its options.
+/// Content of a plot below its options.
 pub(crate) enum Content {
-    Figure(fn(&Source<'_>) -> Result<Figure, Unavailable>),
-    /// The table of statistics.
+    Figure(fn(&PlotSource<'_>) -> Result<Figure, Unavailable>),
+    /// Table of statistics.
     Statistics,
     /// Live readings of the controller.
     Scope,
 }
 
-/// What options depend on.
+/// Inputs of the options.
 pub(crate) struct OptionsInput<'a> {
     pub(crate) open: &'a OpenSession,
     pub(crate) prepared: Option<&'a Prepared>,
-    /// Choices are menus.
+    /// Whether options are drawn as menus.
     pub(crate) is_narrow: bool,
 }
 
-/// Why there is no figure.
+/// Reason why there is no figure.
 #[derive(Debug)]
 pub(crate) enum Unavailable {
     Empty(&'static str),
-    /// A task has to prepare it first.
+    /// A task has to prepare the data first.
     Unprepared,
     /// The task failed.
     Failed(String),
 }
 
-/// Choices above the plots.
+/// Options above the plots.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct PlotOptions {
     pub(crate) unit: ResidualUnit,
@@ -62,14 +62,14 @@ pub(crate) struct PlotOptions {
     pub(crate) elongation: Option<usize>,
 }
 
-/// What figures are made from.
-pub(crate) struct Source<'a> {
+/// Inputs of figures.
+pub(crate) struct PlotSource<'a> {
     pub(crate) open: &'a OpenSession,
     pub(crate) options: PlotOptions,
     pub(crate) preparation: Option<&'a Preparation>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> PlotSource<'a> {
     pub(crate) fn fit(&self) -> Result<&'a Arc<Identification>, Unavailable> {
         let nothing = Unavailable::Empty("Nothing is identified.");
         self.open.fit().ok_or(nothing)
@@ -92,7 +92,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// For plots without choices.
+/// For plots without options.
 pub(crate) fn no_options(_: &mut Ui, _: &mut PlotOptions, _: &OptionsInput<'_>) {}
 
 impl PartialEq for PlotKind {

@@ -1,4 +1,4 @@
-//! All kinds of plots, in their order.
+//! All kinds of plots, in order.
 
 use std::cmp::Ordering;
 
@@ -25,7 +25,7 @@ pub(crate) static PLOTS: [&PlotKind; 12] = [
     &scope::PLOT,
 ];
 
-/// The kind with this name in preferences.
+/// Kind with this name in the preferences.
 pub(crate) fn find(id: &str) -> Option<&'static PlotKind> {
     PLOTS.into_iter().find(|kind| kind.id == id)
 }

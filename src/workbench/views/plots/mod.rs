@@ -30,44 +30,44 @@ pub use dock::Panes;
 use dock::PlotId;
 pub(crate) use dock::{show, show_detached};
 pub(crate) use kind::PlotKind;
-use kind::{Content, PlotOptions, Source, Unavailable};
+use kind::{Content, PlotOptions, PlotSource, Unavailable};
 pub(crate) use list::{PLOTS, find};
 pub(crate) use sources::residuals::of_both as residuals_of_both;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
 use view::{PlotEvent, PlotInput, PlotView};
 
-/// State of one plot among several.
+/// State of a plot.
 #[derive(Debug)]
 pub(crate) struct PlotState {
     kind: &'static PlotKind,
-    /// Distinguishes plots of the same kind.
+    /// Number among plots of the same kind.
     copy: u8,
     options: PlotOptions,
     statistics: statistics::Statistics,
     scope: scope::ScopeState,
-    /// The session that zoom and cursors belong to.
+    /// Session of the zoom and the cursors.
     session: Option<u64>,
     view: PlotView,
-    /// Counts changes of the options, with each of which everything is shown again.
+    /// Number of option changes; each one resets the zoom.
     arrangement: u64,
     figure: Option<(FigureOf, KnownFigure)>,
     generation: u64,
-    /// What a task computed for the plots.
+    /// Data prepared by a task.
     preparation: Option<Preparation>,
-    /// The format in which it is to be saved.
+    /// Format of a requested file.
     saving: Option<Format>,
     is_hovered: bool,
 }
 
-/// A figure and the view that shows all of it.
+/// Figure with the view that shows all of it.
 #[derive(Debug, Clone)]
 struct KnownFigure {
     figure: Arc<Figure>,
     whole: [[f64; 2]; 2],
 }
 
-/// What a figure depends on.
+/// Inputs of a figure.
 #[derive(Debug, Clone)]
 struct FigureOf {
     session: (u64, u64),
@@ -87,7 +87,7 @@ impl PartialEq for FigureOf {
     }
 }
 
-/// Draws one of the plots of a session, without its tabs; `hovered` is what is under the pointer, in all views.
+/// Draws a plot of a session, without its tabs; `hovered` is the selection under the pointer, in all views.
 fn pane(
     ui: &mut Ui,
     model: &Model,
@@ -180,7 +180,6 @@ fn toggled(open: &OpenSession, pose: i64) -> Edit {
 }
 
 impl PlotState {
-    /// A plot that was not shown yet.
     fn of(PlotId { kind, copy }: PlotId) -> Self {
         Self {
             kind,
@@ -199,14 +198,14 @@ impl PlotState {
         }
     }
 
-    /// What a task prepared, if it did.
+    /// Prepared data, if any.
     fn prepared(&self) -> Option<&Arc<Prepared>> {
         self.preparation.as_ref()?.result.as_ref().ok()
     }
 
-    /// Forgets what belongs to other results.
+    /// Resets state that belongs to other results.
     fn settle(&mut self, open: &OpenSession) {
-        // What is zoomed or measured with cursors belongs to its session.
+        // Zoom and cursors belong to a session.
         if self.session.replace(open.id()) != Some(open.id()) {
             self.view = PlotView::default();
         }
@@ -223,11 +222,11 @@ impl PlotState {
         }
     }
 
-    /// The figure, computed again only if what it depends on has changed.
+    /// Figure, recomputed only if its inputs have changed.
     fn figure(
         &mut self,
         open: &OpenSession,
-        compute: fn(&Source<'_>) -> Result<Figure, Unavailable>,
+        compute: fn(&PlotSource<'_>) -> Result<Figure, Unavailable>,
     ) -> Result<KnownFigure, Unavailable> {
         if let Some(why) = (self.kind.missing)(open) {
             return Err(Unavailable::Empty(why));
@@ -244,13 +243,13 @@ impl PlotState {
         {
             return Ok(figure.clone());
         }
-        let figure = Arc::new(compute(&Source {
+        let figure = Arc::new(compute(&PlotSource {
             open,
             options: self.options,
             preparation: self.preparation.as_ref(),
         })?);
         self.generation += 1;
-        // The same plot of something else has another range.
+        // Other options change the range of the plot.
         let before = self.figure.as_ref().map(|(of, _)| of.options);
         if before.is_some_and(|before| before != key.options) {
             self.view = PlotView::default();

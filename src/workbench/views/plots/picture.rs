@@ -1,8 +1,9 @@
-//! Very many points as a picture that is made once for a view: their squares one by one would be most of every frame.
+//! Very many points as a picture, rendered once for a view: drawing their squares in every frame would dominate the
+//! frame time.
 
 use egui::{Color32, ColorImage, Context, Pos2, Rect, Shape, TextureHandle, TextureOptions, Vec2};
 
-/// Pixels of a part of the screen, transparent where nothing is filled.
+/// Pixels of a part of the screen, transparent where nothing was filled.
 pub(crate) struct Picture {
     image: ColorImage,
     /// Upper left corner (pixels of the screen).
@@ -10,14 +11,14 @@ pub(crate) struct Picture {
     pixels_per_point: f32,
 }
 
-/// A picture on the graphics card.
+/// Picture on the graphics card.
 pub(crate) struct PictureTexture {
     texture: TextureHandle,
     rect: Rect,
 }
 
 impl Picture {
-    /// An empty picture; `None` where a side has more than `most` pixels.
+    /// Empty picture; `None` if a side has more than `most` pixels.
     pub(crate) fn new(part: Rect, pixels_per_point: f32, most: usize) -> Option<Self> {
         let first = (part.min * pixels_per_point).floor();
         let end = (part.max * pixels_per_point).ceil();
@@ -29,7 +30,7 @@ impl Picture {
         })
     }
 
-    /// Fills the pixels whose centres are inside, as the graphics card does.
+    /// Fills the pixels whose centres are inside, like the graphics card.
     pub(crate) fn fill(&mut self, rect: Rect, colour: Color32) {
         let [width, height] = self.image.size;
         let bound = |place: f32, first: f32, most: usize| {
@@ -45,7 +46,7 @@ impl Picture {
         }
     }
 
-    /// The picture as a texture.
+    /// Uploads the picture as a texture.
     pub(crate) fn upload(self, context: &Context) -> PictureTexture {
         let [width, height] = self.image.size;
         let size = Vec2::new(width as f32, height as f32) / self.pixels_per_point;
@@ -57,7 +58,7 @@ impl Picture {
 }
 
 impl PictureTexture {
-    /// The picture where it belongs, pixel by pixel.
+    /// Shape of the picture at its position, pixel by pixel.
     pub(crate) fn shape(&self) -> Shape {
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         Shape::image(self.texture.id(), self.rect, whole, Color32::WHITE)
@@ -86,7 +87,7 @@ mod tests {
                     .clone()
                     .all(|pixel| pixel.g() > 100 && pixel.r() == 255)
             );
-            // What is partly or wholly outside stays inside.
+            // Rectangles partly or completely outside are clipped.
             picture.fill(
                 Rect::from_center_size(part.min, Vec2::splat(4.0)),
                 Color32::RED,

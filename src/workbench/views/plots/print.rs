@@ -1,4 +1,4 @@
-//! A plot as a picture for print.
+//! Rendering of a plot for print.
 
 use egui::{Rect, Theme, vec2};
 use tautline_workflow::plot::Layout;
@@ -9,23 +9,23 @@ use crate::model::command::PlotPicture;
 use crate::theme;
 use crate::views::offscreen;
 
-/// Width on paper (m): a page of A4 between its margins.
+/// Width on paper (m): an A4 page without its margins.
 const WIDTH_M: f64 = 0.160;
 /// Size of the text on paper (pt).
 const PRINTED_TEXT: f64 = 8.0;
-/// Pixels per metre: 300 to the inch.
+/// Pixels per metre, at 300 per inch.
 const RESOLUTION: f64 = 300.0 / 0.0254;
 /// Typographic points per metre.
 const POINTS: f64 = 72.0 / 0.0254;
 /// Space around the plot (points of the screen).
 const MARGIN: f32 = 8.0;
 
-/// The plot as PNG, 160 mm wide at 300 dots per inch, on white.
+/// Plot as PNG, 160 mm wide at 300 dots per inch, on white.
 ///
 /// # Errors
-/// One sentence, if there is no OpenGL.
+/// An error message, if there is no OpenGL.
 pub(crate) fn png(picture: &PlotPicture) -> Result<Vec<u8>, String> {
-    // Text of the screen's size becomes text of the printed size.
+    // Text of the screen size gets the printed size.
     let width = (WIDTH_M * POINTS * f64::from(TEXT) / PRINTED_TEXT) as f32;
     let size = vec2(width, width / picture.aspect.clamp(0.5, 4.0));
     let scale = (WIDTH_M * RESOLUTION) as f32 / width;

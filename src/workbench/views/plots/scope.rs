@@ -1,4 +1,4 @@
-//! The live scope: what the controller reads, as it comes, and how fast it changes against what counts as still.
+//! Live scope: readings of the controller as they arrive, and their rates compared with the limits of standstill.
 
 use egui::{Align, Id, Rect, Ui, UiBuilder, vec2};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink};
@@ -15,30 +15,30 @@ use crate::widgets::empty;
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "scope",
     title: "Live scope",
-    // It shows itself what it waits for.
+    // The scope itself states what it waits for.
     missing: |_| None,
     options: no_options,
     content: Content::Scope,
 };
 
-/// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
+/// Displayed decades of the rates, as multiples of the limit at standstill.
 const DECADES: [f64; 2] = [-2.0, 3.0];
-/// Least size of one of several graphs beside and above each other (points).
+/// Smallest size of one of several graphs (points).
 const LEAST: egui::Vec2 = egui::Vec2::new(220.0, 104.0);
-/// Longest time between two readings that a line connects (s).
+/// Longest interval between two readings connected by a line (s).
 const CONNECTED_S: f64 = 0.45;
 
-/// What a graph of the scope shows.
+/// Content of a graph of the scope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Graph {
     /// Tensions of all cables.
     #[default]
     Tensions,
-    /// The laser distance.
+    /// Laser distance.
     Laser,
     /// Revolutions of all winches.
     Revolutions,
-    /// How fast readings change.
+    /// Rates of change.
     Speed,
 }
 
@@ -55,9 +55,9 @@ impl Graph {
     }
 }
 
-/// A graph with its figure and the range along y.
+/// Graph with its figure and the range along y.
 #[derive(Debug)]
-struct Shown {
+struct ScopeGraph {
     graph: Graph,
     figure: Figure,
     y: [f64; 2],
@@ -66,10 +66,10 @@ struct Shown {
 /// State of the scope between frames.
 #[derive(Debug, Default)]
 pub(crate) struct ScopeState {
-    /// What is shown where there is no room for all.
+    /// Graph shown if there is no room for all.
     chosen: Graph,
-    /// The graphs, by what they depend on: the moment and the selected cable.
-    graphs: Memo<(i64, Option<usize>), Vec<Shown>>,
+    /// Graphs, by time interval and selected cable.
+    graphs: Memo<(i64, Option<usize>), Vec<ScopeGraph>>,
     views: [PlotView; Graph::ALL.len()],
 }
 
@@ -92,7 +92,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     head(ui, model, (fits_all, graphs), &mut state.chosen);
     let shown = match (fits_all, cell.x >= LEAST.x) {
         (true, _) => Graph::ALL.to_vec(),
-        // How fast readings change is always seen if there is room for two.
+        // The rates are always visible if there is room for two.
         (false, true) if state.chosen != Graph::Speed => vec![state.chosen, Graph::Speed],
         (false, true) => vec![Graph::Tensions, Graph::Speed],
         (false, false) => vec![state.chosen],
@@ -127,11 +127,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     ui.advance_cursor_after_rect(whole);
 }
 
-/// What goes on, and the choice of a graph where there is no room for all.
-fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[Shown]), chosen: &mut Graph) {
+/// Current operation, and the choice of a graph if there is no room for all.
+fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[ScopeGraph]), chosen: &mut Graph) {
     ui.horizontal(|ui| {
         if !fits_all {
-            for Shown { graph, .. } in graphs {
+            for ScopeGraph { graph, .. } in graphs {
                 ui.selectable_value(chosen, *graph, graph.title());
             }
         }
@@ -148,14 +148,15 @@ fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[Shown]), chosen
     });
 }
 
-/// The graphs that a robot has readings for.
-fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<Shown> {
+/// Graphs for which a robot has readings.
+fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<ScopeGraph> {
     let graphs = Graph::ALL.map(|graph| {
         let figure = figure(scope, graph, cable);
         let y = along_y(graph, &figure);
-        Shown { graph, figure, y }
+        ScopeGraph { graph, figure, y }
     });
-    let has_readings = |shown: &Shown| shown.figure.curves.iter().any(|c| !c.points.is_empty());
+    let has_readings =
+        |shown: &ScopeGraph| shown.figure.curves.iter().any(|c| !c.points.is_empty());
     graphs.into_iter().filter(has_readings).collect()
 }
 
@@ -198,7 +199,7 @@ fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
     figure
 }
 
-/// A line for each cable, in its colour; where one is selected the others step back.
+/// Line for each cable, in its colour; if a cable is selected, the others fade.
 fn cables(
     figure: &mut Figure,
     scope: &Scope,
@@ -207,7 +208,7 @@ fn cables(
 ) {
     let selected = selected.filter(|index| *index < scope.cables());
     let others = (0..scope.cables()).filter(|index| Some(*index) != selected);
-    // What is drawn last lies above the others.
+    // The line drawn last is on top.
     for index in others.chain(selected) {
         let ink = match selected {
             Some(selected) if selected != index => Ink::Muted,
@@ -221,7 +222,7 @@ fn cables(
     }
 }
 
-/// A line through least and greatest values, interrupted where nothing was read.
+/// Line through minima and maxima, interrupted where nothing was read.
 fn line(extents: impl Iterator<Item = Extent>, shown: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = Vec::new();
     for Extent { time_s, values } in extents {
@@ -241,7 +242,7 @@ fn line(extents: impl Iterator<Item = Extent>, shown: impl Fn(f64) -> f64) -> Ve
     points
 }
 
-/// The range along y: fixed for the speed, else round numbers around everything, so that it seldom changes.
+/// Range along y: fixed for the rates, otherwise rounded outwards so that it rarely changes.
 fn along_y(graph: Graph, figure: &Figure) -> [f64; 2] {
     if graph == Graph::Speed {
         return DECADES;
@@ -259,7 +260,7 @@ fn along_y(graph: Graph, figure: &Figure) -> [f64; 2] {
     round_around([low, high], least)
 }
 
-/// A range of round numbers around another, at least so wide.
+/// Range of round numbers around another, with a smallest width.
 fn round_around([low, high]: [f64; 2], least: f64) -> [f64; 2] {
     if low > high {
         return [0.0, least];
@@ -282,7 +283,7 @@ mod tests {
             let [low, high] = round_around(range, 1.0);
             assert!(low <= range[0] && high >= range[1], "{range:?}");
             assert!(high - low >= 1.0 && high - low <= 2.0 * (range[1] - range[0]).max(3.0));
-            // A little more does not change it.
+            // Slightly different values do not change the range.
             let inside = [low + 0.2 * (high - low), high - 0.2 * (high - low)];
             let again = round_around(inside, 1.0);
             assert!(again[0] >= low && again[1] <= high);

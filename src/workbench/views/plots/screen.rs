@@ -1,4 +1,4 @@
-//! Plots on the screen: a canvas that paints with egui, in the colours of the theme.
+//! Canvas for plots that paints with egui, in the colours of the theme.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub(crate) fn colours(palette: &Palette) -> Colours {
     }
 }
 
-/// Measures texts of plots.
+/// Measures the width of texts in plots.
 pub(crate) fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
     |text| {
         let font = FontId::proportional(TEXT);
@@ -33,7 +33,7 @@ pub(crate) fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
     }
 }
 
-/// The screen. Rectangles that follow each other are one mesh: heat maps and dense data have thousands.
+/// Canvas on the screen. Consecutive rectangles form one mesh, because heat maps and dense data have thousands.
 pub(crate) struct Screen {
     painter: Painter,
     whole: Rect,
@@ -51,7 +51,7 @@ impl Screen {
         }
     }
 
-    /// The shapes so far, instead of painting them.
+    /// Returns the shapes instead of painting them.
     pub(crate) fn into_shapes(mut self) -> Vec<Shape> {
         self.end_mesh();
         std::mem::take(&mut self.shapes)

@@ -1,4 +1,4 @@
-//! Plots in panels: fixed height, zoomed by Ctrl and the wheel, by a box or by their axes; a click selects.
+//! Plots in panels: fixed height, zoom by Ctrl and wheel, by a box or along an axis; a click selects.
 
 use std::sync::Arc;
 
@@ -14,8 +14,8 @@ use crate::model::Selection;
 use crate::model::command::PlotFile;
 use crate::theme::{self, GRID};
 
-/// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
-/// and pose of a clicked point; neither where a click beside all points or Escape clears the selection.
+/// Draws a figure over the full width of a panel, `height` points high; `name` is its accessible name. Returns cable
+/// and pose of a clicked point; both empty if a click beside all points, or Escape, clears the selection.
 pub(crate) fn show(
     ui: &mut Ui,
     name: &str,
@@ -32,21 +32,21 @@ pub(crate) fn show(
     })
 }
 
-/// One of several plots that are zoomed and moved together along x.
+/// One of several plots that are zoomed and panned together along x.
 pub(crate) struct Linked<'a> {
     /// Accessible name.
     pub(crate) name: &'a str,
     pub(crate) figure: &'a Figure,
-    /// Changes with the figure.
+    /// Number that changes with the figure.
     pub(crate) generation: u64,
     pub(crate) size: Vec2,
-    /// What the plots have in common.
+    /// Name of the link between the plots.
     pub(crate) link: &'a str,
-    /// Whether its legend stands above the plots, see [`legend_of`].
+    /// Whether the legend is above the plots, see [`legend_of`].
     pub(crate) is_explained: bool,
 }
 
-/// Draws the legend of a figure by itself, for plots that have it in common.
+/// Draws the common legend of several plots.
 pub(crate) fn legend_of(ui: &mut Ui, figure: &Figure, selection: Selection) {
     let bare = Figure {
         y: Axis::default(),
@@ -60,21 +60,21 @@ pub(crate) fn legend_of(ui: &mut Ui, figure: &Figure, selection: Selection) {
     }
 }
 
-/// What the operator asked of a plot.
+/// Interaction with a plot.
 #[derive(Debug, Default)]
-pub(crate) struct Asked {
+pub(crate) struct PlotResponse {
     pub(crate) is_clicked: bool,
-    /// The file that is to be saved, with the ending of its name.
+    /// Requested file, with the suffix of its name.
     pub(crate) saved: Option<(&'static str, PlotFile)>,
 }
 
-/// Draws one of several plots that belong together; its menu saves it.
-pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> Asked {
+/// Draws one of several linked plots; its menu saves it.
+pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> PlotResponse {
     let drawn = (plot.name, plot.figure, plot.generation);
     let link = Some(Id::unique(plot.link));
     let kind = (plot.size, link, true, plot.is_explained);
     let (view, events) = draw(ui, drawn, kind, selection);
-    let mut asked = Asked::default();
+    let mut asked = PlotResponse::default();
     for event in events {
         match event {
             PlotEvent::Selected(_) => asked.is_clicked = true,

@@ -1,4 +1,4 @@
-//! The displacement by coordinate: bars with their standard deviations and that of the drawing.
+//! Displacement by coordinate: bars with their standard deviation and that of the drawing.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
@@ -14,7 +14,7 @@ const ROW: f32 = 5.0 * GRID;
 const AXIS: f32 = 4.0 * GRID;
 const VALUE: f32 = 32.0 * GRID;
 const PRIOR: f32 = 30.0 * GRID;
-/// Largest multiple of the width of the bars that is used for the standard deviation of the drawing.
+/// Largest reach used for the drawing's standard deviation, as a multiple of the largest bar.
 const ROOM: f64 = 3.0;
 
 /// Draws a row for each of x, y, z.
@@ -72,7 +72,7 @@ fn bars(row: Rect) -> Rect {
     )
 }
 
-/// From zero to either end of the bars (m).
+/// Half range of the bars, from zero to either end (m).
 fn half_m(coordinates: &[PulleyCoordinate; 3]) -> f64 {
     let reach = |c: &PulleyCoordinate| c.change_m.abs() + c.sd_m.unwrap_or(0.0);
     let needed = coordinates.iter().map(reach).fold(1e-5, f64::max);
@@ -81,7 +81,7 @@ fn half_m(coordinates: &[PulleyCoordinate; 3]) -> f64 {
     1.1 * shown.fold(needed, f64::max)
 }
 
-/// `+0.83 ± 0.05`, in millimetres.
+/// Displacement in millimetres, such as `+0.83 ± 0.05`.
 fn value(coordinate: &PulleyCoordinate) -> String {
     let change = 1e3 * coordinate.change_m;
     match coordinate.sd_m.map(|sd| 1e3 * sd) {
@@ -94,7 +94,7 @@ fn value(coordinate: &PulleyCoordinate) -> String {
     }
 }
 
-/// `± 5 mm`, or that nothing is known.
+/// Tolerance of the drawing, such as `± 5 mm`, or a text if unknown.
 fn prior(coordinate: &PulleyCoordinate) -> String {
     match coordinate.prior_sd_m {
         Some(0.0) => "exact".to_owned(),

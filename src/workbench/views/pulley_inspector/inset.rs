@@ -1,4 +1,4 @@
-//! A pulley seen along an axis, in millimetres: both places, the displacement and the 95 % region.
+//! Projection of a pulley along an axis, in millimetres: nominal and identified position, displacement and 95 % region.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
@@ -14,31 +14,31 @@ use tautline_workflow::identification::{IdentifiedPulley, PulleyInspection};
 use tautline_workflow::plot::round::round_down;
 use tautline_workflow::wording::units::significant;
 
-/// From where the pulley is seen.
+/// Directions of view.
 pub const SIDES: [StandardView; 3] = [StandardView::Front, StandardView::Side, StandardView::Top];
-/// Share of an inset that stays free around what it must show.
+/// Free space around the content of an inset, as a factor.
 const MARGIN: f64 = 1.3;
-/// Lines of the grid across an inset, about.
+/// Approximate number of grid lines across an inset.
 const LINES: f64 = 9.0;
-/// Size of what is written (points).
+/// Text size (points).
 const SMALL: f32 = 11.0;
 
-/// What an inset shows, in millimetres to the right and up from the nominal place.
+/// Content of an inset, in millimetres to the right and up from the nominal position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inset {
     side: StandardView,
     /// Names of the axes to the right and up.
     axes: [String; 2],
     found: Vector2<f64>,
-    /// Semi-axes of the 95 % region about it, where it is known: half of its long and half of its short side.
+    /// Long and short semi-axis of the 95 % region of the identified position, if known.
     region: Option<[Vector2<f64>; 2]>,
-    /// The same of the drawing, about the nominal place.
+    /// Semi-axes of the 95 % region of the drawing, about the nominal position.
     prior: Option<[Vector2<f64>; 2]>,
-    /// How far the pulley may be from the drawing.
+    /// Largest acceptable displacement from the drawing.
     tolerance: Option<f64>,
 }
 
-/// Axes to the right and up as seen from a side (base frame).
+/// Axes to the right and up in a view (base frame).
 fn axes(side: StandardView, directions: &Directions) -> [Vec3; 2] {
     let [right, away, up] = [0, 1, 2].map(|k| directions.column(k).into_owned());
     match side {
@@ -56,7 +56,7 @@ fn name(direction: &Vec3) -> String {
 }
 
 impl Inset {
-    /// The pulley as it is seen from a side.
+    /// Projection of a pulley for a direction of view.
     pub fn new(
         side: StandardView,
         directions: &Directions,
@@ -70,7 +70,7 @@ impl Inset {
             |whole: Matrix3<f64>| Matrix2::from_fn(|i, k| axes[i].dot(&(whole * axes[k])) * 1e6);
         let drawn = match inspection.prior_sd_m {
             [Some(x), Some(y), Some(z)] => Some([x, y, z].map(|sd| sd * sd)),
-            // A coordinate without a tolerance in the drawing can be anywhere.
+            // A coordinate without a tolerance in the drawing is unlimited.
             _ => None,
         };
         let drawn = drawn.map(|variances| Matrix3::from_diagonal(&Vec3::from(variances)));
@@ -84,7 +84,7 @@ impl Inset {
         }
     }
 
-    /// How far what must be seen reaches from the middle between both places, to the right or up (mm).
+    /// Extent of both positions and the region from their middle, to the right or up (mm).
     fn reach(&self) -> f64 {
         let middle = self.found / 2.0;
         let [a, b] = self.region.unwrap_or_default();
@@ -93,17 +93,17 @@ impl Inset {
     }
 }
 
-/// One scale for all insets, in millimetres.
+/// Common scale of all insets, in millimetres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// From the middle of an inset to its edges.
+    /// Distance from the middle of an inset to its edges.
     half: f64,
-    /// Distance of the grid's lines.
+    /// Spacing of the grid lines.
     grid: f64,
 }
 
 impl Scale {
-    /// The scale at which all insets show what they must.
+    /// Scale at which the content of all insets fits.
     pub fn of(insets: &[Inset]) -> Self {
         let reach = insets.iter().map(Inset::reach).fold(0.0, f64::max);
         let half = (MARGIN * reach).max(0.02);
@@ -113,27 +113,27 @@ impl Scale {
         }
     }
 
-    /// Distance of the grid's lines, in words.
+    /// Spacing of the grid lines, in words.
     pub fn grid_words(self) -> String {
         format!("{} mm", significant(self.grid, 2))
     }
 }
 
-/// Where millimetres of an inset are on the screen.
-struct Place {
+/// Transformation from millimetres of an inset to the screen.
+struct InsetTransform {
     rect: Rect,
     middle: Vector2<f64>,
     per_mm: f64,
 }
 
-impl Place {
+impl InsetTransform {
     fn at(&self, point: Vector2<f64>) -> Pos2 {
         let d = (point - self.middle) * self.per_mm;
         self.rect.center() + vec2(d.x as f32, -d.y as f32)
     }
 }
 
-/// Draws an inset; `colour` and `name` are those of the cable.
+/// Draws an inset, with `colour` and `name` of the cable.
 pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name): (Color32, &str)) {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(size), Sense::hover());
     let title = inset.side.title();
@@ -147,7 +147,7 @@ pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name):
     let palette = theme::of(ui);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, palette.ground);
-    let place = Place {
+    let place = InsetTransform {
         rect,
         middle: inset.found / 2.0,
         per_mm: f64::from(size) / (2.0 * scale.half),
@@ -167,7 +167,7 @@ pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name):
     );
 }
 
-fn grid(painter: &Painter, place: &Place, scale: Scale, palette: &Palette) {
+fn grid(painter: &Painter, place: &InsetTransform, scale: Scale, palette: &Palette) {
     for axis in 0..2 {
         let (low, high) = (
             place.middle[axis] - scale.half,
@@ -181,7 +181,7 @@ fn grid(painter: &Painter, place: &Place, scale: Scale, palette: &Palette) {
                 end[axis] = k as f64 * scale.grid;
                 end[1 - axis] = place.middle[1 - axis] + across;
             }
-            // The lines through the nominal place are its axes.
+            // The lines through the nominal position are its axes.
             let colour = if k == 0 {
                 palette.ghost
             } else {
@@ -192,8 +192,8 @@ fn grid(painter: &Painter, place: &Place, scale: Scale, palette: &Palette) {
     }
 }
 
-/// Where the drawing has the pulley, and the tolerance, around the nominal place.
-fn bands(painter: &Painter, place: &Place, inset: &Inset, palette: &Palette) {
+/// 95 % region of the drawing and tolerance, around the nominal position.
+fn bands(painter: &Painter, place: &InsetTransform, inset: &Inset, palette: &Palette) {
     let nominal = Vector2::zeros();
     if let Some(semi_axes) = inset.prior {
         let points = boundary(nominal, semi_axes).into_iter();
@@ -210,7 +210,7 @@ fn bands(painter: &Painter, place: &Place, inset: &Inset, palette: &Palette) {
 
 fn ellipse(
     painter: &Painter,
-    place: &Place,
+    place: &InsetTransform,
     (centre, semi_axes): (Vector2<f64>, [Vector2<f64>; 2]),
     colour: Color32,
 ) {
@@ -226,7 +226,12 @@ fn ellipse(
     ));
 }
 
-fn places(painter: &Painter, place: &Place, inset: &Inset, (colour, palette): (Color32, &Palette)) {
+fn places(
+    painter: &Painter,
+    place: &InsetTransform,
+    inset: &Inset,
+    (colour, palette): (Color32, &Palette),
+) {
     let [nominal, found] = [Vector2::zeros(), inset.found].map(|p| place.at(p));
     let way = found - nominal;
     if way.length() > 9.0 {
@@ -245,7 +250,7 @@ fn places(painter: &Painter, place: &Place, inset: &Inset, (colour, palette): (C
     painter.circle_filled(found, 3.5, colour);
 }
 
-/// Which view it is, and where its axes point to.
+/// Name of the view and directions of its axes.
 fn words(painter: &Painter, rect: Rect, inset: &Inset, palette: &Palette) {
     let font = FontId::proportional(SMALL);
     let write = |at: Pos2, anchor: Align2, text: &str, colour: Color32| {
@@ -322,7 +327,7 @@ mod tests {
         crossed.count() % 2 == 1
     }
 
-    /// Places that the pulley could be in, drawn from the factor of its covariance, are in the region drawn 95 times in 100.
+    /// Random positions from the covariance lie in the drawn region 95 times in 100.
     #[test]
     fn the_region_holds_95_of_100_drawn_places() {
         const DRAWN: usize = 20_000;
@@ -332,7 +337,7 @@ mod tests {
         let drawn: Vec<Vec3> = (0..DRAWN)
             .map(|_| by + factor * Vec3::from_fn(|_, _| random.sample::<f64, _>(StandardNormal)))
             .collect();
-        // Coordinates by side, written independently of the code under test.
+        // Coordinates by view, written independently of the code under test.
         for (side, columns) in [
             (StandardView::Front, [0, 2]),
             (StandardView::Side, [1, 2]),
@@ -347,8 +352,8 @@ mod tests {
                 )
             });
             let share = inside.count() as f64 / DRAWN as f64;
-            // The polygon of 72 sides is smaller by 0.02 %; beyond six standard deviations of the share (0.0015 each) less
-            // than once in a hundred million times.
+            // The polygon of 72 sides is smaller by 0.02 %; the limit is six standard deviations of the share (0.0015
+            // each), exceeded less than once in a hundred million times.
             assert!((share - 0.95).abs() < 0.0095, "{side:?}: {share}");
         }
     }

@@ -1,5 +1,5 @@
-//! The pulley inspector: one pulley true to scale, in 3D and in three views with a grid, with the numbers that say how sure
-//! its place is.
+//! Pulley inspector: one pulley true to scale, in 3D and in three projections with a grid, with its coordinates and
+//! their uncertainty.
 
 mod coordinates;
 mod inset;
@@ -9,7 +9,7 @@ use egui::{CentralPanel, Frame, Key, Label, Margin, Panel, RichText, ScrollArea,
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 
-use super::robot_3d::{self, Aim, Robot3d};
+use super::robot_3d::{self, CameraRequest, Robot3d};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
@@ -18,33 +18,33 @@ use inset::{Inset, SIDES, Scale};
 use tautline_workflow::identification::{FitVerdict, IdentifiedPulley, PulleyInspection};
 use tautline_workflow::wording::units::significant;
 
-/// Largest side of an inset (points), and its part of the height.
+/// Largest side of an inset (points), and its share of the height.
 const INSET: f32 = 280.0;
 const INSET_SHARE: f32 = 0.26;
-/// Least width of the numbers beside the insets (points).
+/// Smallest width of the numbers beside the insets (points).
 const BESIDE: f32 = 400.0;
-/// Least height of the picture in 3D (points).
+/// Smallest height of the 3D picture (points).
 const PICTURE: f32 = 140.0;
-/// Height of what is written around the insets (points).
+/// Height of the numbers below the insets (points).
 const NUMBERS: f32 = 220.0;
-/// Height of what is written above and below the insets (points).
+/// Height of the captions above and below the insets (points).
 const CAPTIONS: f32 = 84.0;
 
-/// How insets and numbers share the room.
+/// Layout of insets and numbers.
 #[derive(Debug, Clone, Copy)]
 struct Arrangement {
     /// Side of an inset (points).
     inset: f32,
-    /// Whether the numbers are beside the insets and not below them.
+    /// Whether the numbers are beside the insets instead of below them.
     is_wide: bool,
 }
 
 impl Arrangement {
-    /// What suits a width and a height (points).
+    /// Layout for a width and a height (points).
     fn of(width: f32, height: f32) -> Self {
         let across = (width - 4.0 * GRID) / 3.0;
         let inset = across.min(INSET_SHARE * height).clamp(80.0, INSET);
-        // With the space between and after them.
+        // With the space between and after the insets.
         let insets = 3.0 * inset + 10.0 * GRID;
         Self {
             inset,
@@ -52,13 +52,13 @@ impl Arrangement {
         }
     }
 
-    /// Height of everything (points).
+    /// Total height (points).
     fn height(self) -> f32 {
         self.inset + CAPTIONS + if self.is_wide { 0.0 } else { NUMBERS }
     }
 }
 
-/// The pulley that is inspected, by the index of its cable, if it is one of the open session.
+/// Inspected pulley, by the index of its cable, if it belongs to the open session.
 #[must_use]
 pub fn inspected(model: &Model) -> Option<(&OpenSession, usize)> {
     let open = model.open.as_ref()?;
@@ -115,13 +115,13 @@ pub fn show(
     });
 }
 
-/// Whose pulley it is, and where to go from here; gives the camera movement that was asked for.
+/// Header with the name of the pulley and navigation; returns a requested camera movement.
 fn header(
     ui: &mut Ui,
     inspection: &PulleyInspection,
     robot: &Robot,
     outbox: &mut Outbox,
-) -> Option<Aim> {
+) -> Option<CameraRequest> {
     let cable = inspection.cable;
     let mut aim = None;
     ui.horizontal(|ui| {
@@ -147,25 +147,25 @@ fn header(
             ui.separator();
             let all = "Show the whole robot (Home)";
             if icon_only(ui, icons::ICON_FIT_SCREEN, all, true).clicked() {
-                aim = Some(Aim::All);
+                aim = Some(CameraRequest::All);
             }
             let near = "Show the pulley (F)";
             if icon_only(ui, icons::ICON_CENTER_FOCUS_STRONG, near, true).clicked() {
-                aim = Some(Aim::Selected);
+                aim = Some(CameraRequest::Selected);
             }
         });
     });
     aim
 }
 
-/// Inspects the pulley that many further.
+/// Inspects another pulley, `step` cables further.
 fn go(robot: &Robot, cable: usize, step: isize, outbox: &mut Outbox) {
     let count = robot.cable_count() as isize;
     let next = (cable as isize + step).rem_euclid(count.max(1));
     outbox.send(ViewCommand::Inspect(usize::try_from(next).ok()));
 }
 
-/// Page up and down go to other pulleys, unless a field or a dialog takes them.
+/// Page up and Page down go to other pulleys, unless a field or a dialog uses the keys.
 fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
     let pressed = |key| is_pressed(ui, key);
     if pressed(Key::PageDown) {
@@ -176,7 +176,7 @@ fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
     }
 }
 
-/// How far the pulley is from the drawing, and whether that can be relied on.
+/// Text on the displacement from the drawing and its reliability.
 fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
     let text = inspection.sentence(is_explained);
     if is_explained || inspection.identified.is_none() {
@@ -186,21 +186,21 @@ fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
     }
 }
 
-/// F shows the pulley of the selected cable, wherever that was selected.
+/// F inspects the pulley of the selected cable, in any view.
 pub fn key(ui: &Ui, model: &Model, outbox: &mut Outbox) {
     if model.selection.cable.is_some() && is_pressed(ui, Key::F) {
         outbox.send(ViewCommand::Inspect(model.selection.cable));
     }
 }
 
-/// Whether a key was pressed, alone, that no field and no menu takes.
+/// Whether a key was pressed without modifiers, and no field or menu uses it.
 fn is_pressed(ui: &Ui, key: Key) -> bool {
     let is_typing = ui.ctx().text_edit_focused();
     let is_taken = is_typing || egui::Popup::is_any_open(ui.ctx());
     !is_taken && ui.input(|input| input.modifiers.is_none() && input.key_pressed(key))
 }
 
-/// The three views, the coordinates, and what their errors go together with.
+/// The three projections, the coordinates, and their correlations.
 fn details(
     ui: &mut Ui,
     inspection: &PulleyInspection,
@@ -238,7 +238,7 @@ fn details(
     }
 }
 
-/// What is drawn in the insets.
+/// Legend of the insets.
 fn caption(inspection: &PulleyInspection, scale: Scale, tolerance_m: Option<f64>) -> String {
     let mut text = "Ring: nominal place. Dot: identified place, in its 95 % region. ".to_owned();
     if inspection.prior_sd_m.iter().all(Option::is_some) {
@@ -251,7 +251,7 @@ fn caption(inspection: &PulleyInspection, scale: Scale, tolerance_m: Option<f64>
     format!("{text}Grid {}.", scale.grid_words())
 }
 
-/// The coordinates, and what their errors go together with.
+/// Coordinates and their correlations.
 fn numbers(ui: &mut Ui, found: &IdentifiedPulley, robot: &Robot) {
     ui.scope(|ui| coordinates::show(ui, &found.coordinates));
     if found.correlations.is_empty() {
@@ -270,7 +270,7 @@ fn muted_small(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
-/// A button that opens the inspector.
+/// Button that opens the inspector.
 pub fn button(ui: &mut Ui, (cable, name): (usize, &str), outbox: &mut Outbox) {
     let text = format!("Inspect the pulley of {name}");
     if icon_button(ui, icons::ICON_CENTER_FOCUS_STRONG, &text, true)

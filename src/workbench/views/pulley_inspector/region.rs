@@ -1,4 +1,4 @@
-//! Regions in which a point is with 95 % probability, in a plane.
+//! 95 % regions of points in a plane.
 
 use std::f64::consts::TAU;
 
@@ -6,11 +6,11 @@ use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 
 /// Upper 5 % points of chi-square with one and two degrees of freedom.
 const QUANTILES: [f64; 2] = [3.841, 5.991];
-/// Points along an ellipse.
+/// Number of points along an ellipse.
 const STEPS: usize = 72;
 
-/// Semi-axes of the region in which a point of this covariance is with 95 % probability: `d^T P^-1 d = q`, the 95 % point
-/// `q` of chi-square with one or two degrees of freedom. `None` for a point without uncertainty.
+/// Semi-axes of the 95 % region of a point with this covariance: `d^T P^-1 d = q`, with the 95 % point `q` of
+/// chi-square for one or two degrees of freedom. `None` for a point without uncertainty.
 pub fn region(covariance: &Matrix2<f64>) -> Option<[Vector2<f64>; 2]> {
     let eigen = SymmetricEigen::new(*covariance);
     let largest = eigen.eigenvalues.max();
@@ -24,7 +24,7 @@ pub fn region(covariance: &Matrix2<f64>) -> Option<[Vector2<f64>; 2]> {
     Some([half(0), half(1)])
 }
 
-/// Points of the boundary of the 95 % region about `centre`.
+/// Boundary of the 95 % region about `centre`.
 pub fn boundary(centre: Vector2<f64>, [a, b]: [Vector2<f64>; 2]) -> Vec<Vector2<f64>> {
     let at = |k: usize| {
         let (sin, cos) = (TAU * k as f64 / STEPS as f64).sin_cos();

@@ -1,4 +1,4 @@
-//! Coordinates that are pinned beside their pulleys.
+//! Callouts: coordinates pinned beside their pulleys.
 
 use egui::{FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
@@ -8,12 +8,12 @@ use crate::theme::{GRID, Palette};
 use tautline_workflow::wording::units::{fixed, signed};
 
 const SIZE: f32 = 11.5;
-/// How far from the pulley a callout is tried (points).
+/// Distances from the pulley that are tried for a callout (points).
 const REACHES: [f32; 4] = [28.0, 56.0, 84.0, 120.0];
-/// Directions that are tried at each distance.
+/// Number of directions tried at each distance.
 const TURNS: usize = 12;
 
-/// Writes the callouts; adds where they are to what is taken.
+/// Draws the callouts and adds their rectangles to `taken`.
 pub fn paint(
     painter: &Painter,
     rect: Rect,
@@ -46,7 +46,7 @@ pub fn paint(
     }
 }
 
-/// A free place near `at` and inside; if there is none, the nearest one inside.
+/// Free rectangle near `at` and inside; if there is none, the nearest one inside.
 fn place(at: Pos2, size: Vec2, inside: Rect, taken: &[Rect]) -> Rect {
     let candidates = REACHES.into_iter().flat_map(|reach| {
         (0..TURNS).map(move |turn| {
@@ -67,7 +67,7 @@ fn place(at: Pos2, size: Vec2, inside: Rect, taken: &[Rect]) -> Rect {
     })
 }
 
-/// Where the cable enters, and how far that is from the drawing with its standard deviation (mm).
+/// Entry point of the cable, and its displacement from the drawing with standard deviation (mm).
 fn words(cable: &CableView) -> String {
     let moved = cable.moved.as_ref();
     let mut text = format!("Pulley {}", cable.label);
@@ -109,13 +109,13 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::views::robot_3d::scene::Subject;
+    use crate::views::robot_3d::scene::SceneInputs;
 
     #[test]
     fn a_callout_says_where_and_how_far_with_its_standard_deviation() {
         let robot = presets::find("mini").expect("a preset").robot;
         let data = Measurements::default();
-        let mut cable = Subject::new(&robot, &data).scene().cables[0].clone();
+        let mut cable = SceneInputs::new(&robot, &data).scene().cables[0].clone();
         cable.wheel.entry = Vec3::new(0.5012, -0.378, 0.4415);
         assert_eq!(
             words(&cable),

@@ -1,4 +1,4 @@
-//! The picture on the screen: pointer, keys, painting.
+//! Canvas of the 3D view: pointer, keys, painting.
 
 use std::sync::Arc;
 
@@ -12,41 +12,41 @@ use super::drawing::Drawing;
 use super::framebuffer::PixelBox;
 use super::gpu::{Gpu, PictureKey};
 use super::overlay;
-use super::picking::{Picture, Thing};
-use super::toolbar::Aim;
+use super::picking::{Pickable, Picture};
+use super::toolbar::CameraRequest;
 use crate::model::Selection;
 use crate::theme;
 
-/// Points of dragging that an arrow key stands for.
+/// Drag distance equivalent to an arrow key (points).
 const ARROW: f64 = 12.0;
 /// Logarithm of the magnification per point of scrolling.
 const ZOOM_RATE: f64 = 0.003;
 
-/// The picture with what it needs on the graphics card.
+/// Canvas with its resources on the graphics card.
 #[derive(Default)]
 pub struct Canvas {
     gpu: Arc<Mutex<Gpu>>,
 }
 
 impl Canvas {
-    /// How often the picture was drawn, not copied.
+    /// Number of renderings of the picture; copies do not count.
     #[must_use]
     pub fn draws(&self) -> u64 {
         self.gpu.lock().draws()
     }
 
-    /// Whether the processor draws, once it has.
+    /// Whether a software renderer is used; known after the first rendering.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.gpu.lock().is_software()
     }
 
-    /// Frees what lies on the graphics card, while its context is current.
+    /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&self) {
         self.gpu.lock().destroy();
     }
 
-    /// Paints drawing number `number` into `rect` and writes over it; `moves`: the camera does.
+    /// Paints drawing number `number` into `rect` with its annotations; `moves` tells that the camera moves.
     pub fn paint(
         &self,
         ui: &Ui,
@@ -107,12 +107,12 @@ impl Canvas {
     }
 }
 
-/// Where in the picture the pointer takes hold of what it is over: where a drag begins or it zooms (points of the screen).
+/// Position in the picture where a drag begins or a zoom applies (points of the screen).
 pub fn takes_hold(ui: &Ui, response: &Response) -> Option<[f64; 2]> {
     let begins = response.drag_started();
     let zooms = response.hovered() && zoom_factor(ui) != 1.0;
     let pointer = if begins {
-        // It has moved since it was pressed.
+        // The pointer has moved since it was pressed.
         ui.input(|input| input.pointer.press_origin())
     } else {
         response.hover_pos()
@@ -121,13 +121,13 @@ pub fn takes_hold(ui: &Ui, response: &Response) -> Option<[f64; 2]> {
     Some([at.x, at.y].map(f64::from))
 }
 
-/// By how much wheel and fingers zoom in this frame.
+/// Zoom factor of wheel and pinch gesture in this frame.
 fn zoom_factor(ui: &Ui) -> f64 {
     let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
     (f64::from(scroll) * ZOOM_RATE).exp() * f64::from(pinch)
 }
 
-/// Orbits about what the drag took hold of, moves, and zooms to what is under the pointer (m).
+/// Orbits about the point where the drag began, pans, and zooms towards the point under the pointer (m).
 pub fn steer(
     ui: &Ui,
     response: &Response,
@@ -159,7 +159,7 @@ pub fn steer(
     }
 }
 
-/// Orbits and zooms with the keys of the view that has the focus.
+/// Orbits and zooms with the keys, while the view has the focus.
 fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
     let pressed = |key| ui.input(|input| input.key_pressed(key));
     for (key, right, down) in [
@@ -183,8 +183,8 @@ fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
     }
 }
 
-/// The camera movement that a key requests while the pointer is over the view or it has the focus.
-pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
+/// Camera movement requested by a key, while the pointer is over the view or it has the focus.
+pub fn keys(ui: &Ui, response: &Response) -> Option<CameraRequest> {
     if response.has_focus() {
         let filter = egui::EventFilter {
             horizontal_arrows: true,
@@ -198,16 +198,16 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
         return None;
     }
     let aims = [
-        (Key::F, Aim::Selected),
-        (Key::Home, Aim::All),
-        (Key::Num1, Aim::To(StandardView::Front)),
-        (Key::Num2, Aim::To(StandardView::Side)),
-        (Key::Num3, Aim::To(StandardView::Top)),
-        (Key::Num7, Aim::To(StandardView::Isometric)),
+        (Key::F, CameraRequest::Selected),
+        (Key::Home, CameraRequest::All),
+        (Key::Num1, CameraRequest::To(StandardView::Front)),
+        (Key::Num2, CameraRequest::To(StandardView::Side)),
+        (Key::Num3, CameraRequest::To(StandardView::Top)),
+        (Key::Num7, CameraRequest::To(StandardView::Isometric)),
     ];
     ui.input(|input| {
         if input.modifiers.shift_only() && input.key_pressed(Key::F) {
-            return Some(Aim::Frame);
+            return Some(CameraRequest::Frame);
         }
         let pressed = |key| input.modifiers.is_none() && input.key_pressed(key);
         aims.into_iter()
@@ -216,30 +216,30 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
     })
 }
 
-/// What the pointer is over.
-pub fn under_pointer(response: &Response, picture: &Picture<'_>) -> Option<Thing> {
+/// Object under the pointer.
+pub fn under_pointer(response: &Response, picture: &Picture<'_>) -> Option<Pickable> {
     let pointer = response.hover_pos().filter(|_| !response.dragged())?;
     let at = pointer - response.rect.min;
     picture.pick(f64::from(at.x), f64::from(at.y))
 }
 
-/// The pulley that a double-click found.
+/// Pulley at a double-click.
 pub fn found_pulley(response: &Response, picture: &Picture<'_>) -> Option<usize> {
     let pointer = response.hover_pos().filter(|_| response.double_clicked())?;
     let at = pointer - response.rect.min;
     picture.pulley_near(f64::from(at.x), f64::from(at.y))
 }
 
-/// Cable or pose that a thing stands for.
-pub fn selection_of(thing: Thing) -> Selection {
+/// Cable or pose of an object.
+pub fn selection_of(thing: Pickable) -> Selection {
     match thing {
-        Thing::Cable(index) | Thing::Pulley(index) => Selection::cable(index),
-        Thing::Pose(label) => Selection::pose(label),
-        Thing::Platform | Thing::LaserSpot => Selection::default(),
+        Pickable::Cable(index) | Pickable::Pulley(index) => Selection::cable(index),
+        Pickable::Pose(label) => Selection::pose(label),
+        Pickable::Platform | Pickable::LaserSpot => Selection::default(),
     }
 }
 
-/// What is selected after a click on `picked`: a cable and a pose add up, empty space clears.
+/// Selection after a click on `picked`: a cable and a pose are combined, empty space clears it.
 pub fn clicked(picked: Selection, before: Selection) -> Selection {
     if picked.is_empty() {
         return picked;

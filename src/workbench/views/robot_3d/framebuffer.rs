@@ -1,5 +1,5 @@
-//! A picture on the graphics card with four samples per pixel. The only place of the views that calls OpenGL
-//! directly: three-d cannot copy a multisampled picture to a framebuffer that another library has bound.
+//! Multisampled framebuffer on the graphics card. The only module of the views that calls OpenGL directly: three-d
+//! cannot copy a multisampled picture to a framebuffer bound by another library.
 #![expect(unsafe_code, reason = "glow marks every call of OpenGL as unsafe")]
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ type Gl = Arc<gl::Context>;
 /// Samples per pixel.
 const SAMPLES: i32 = 4;
 
-/// Part of a window (pixels, from the lower left corner).
+/// Rectangle of a window (pixels, from the lower left corner).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PixelBox {
     /// Left edge.
@@ -23,28 +23,28 @@ pub struct PixelBox {
     pub height: i32,
 }
 
-/// A picture that is drawn with several samples per pixel and kept.
+/// Multisampled picture that is kept between frames.
 ///
-/// OpenGL: every method must be called on the thread on which the context of `new` is current.
+/// OpenGL: all methods must be called on the thread on which the context of `new` is current.
 pub struct Framebuffer {
     gl: Gl,
     size: [u32; 2],
-    samples: Attached,
-    resolved: Attached,
+    samples: FramebufferObject,
+    resolved: FramebufferObject,
 }
 
-/// A framebuffer object with what is attached to it.
-struct Attached {
+/// Framebuffer object with its attachments.
+struct FramebufferObject {
     framebuffer: gl::Framebuffer,
     renderbuffers: Vec<gl::Renderbuffer>,
 }
 
-impl Attached {
-    /// A colour buffer and a depth buffer; no samples: one per pixel.
+impl FramebufferObject {
+    /// Creates colour and depth buffer; `samples` is 0 for one sample per pixel.
     fn new(gl: &Gl, size: [u32; 2], samples: i32) -> Result<Self, String> {
         let [width, height] = size.map(|side| side as i32);
-        // SAFETY: the context is current (see `Framebuffer`); only objects made here are changed, and the bindings
-        // that were found are put back.
+        // SAFETY: the context is current (see `Framebuffer`); only objects created here are changed, and the previous
+        // bindings are restored.
         unsafe {
             let before = gl.get_parameter_framebuffer(gl::DRAW_FRAMEBUFFER_BINDING);
             let mut attached = Self {
@@ -81,7 +81,7 @@ impl Attached {
     }
 
     fn delete(&mut self, gl: &Gl) {
-        // SAFETY: the context is current; the objects are this value's own and not used afterwards.
+        // SAFETY: the context is current; the objects belong to this value and are not used afterwards.
         unsafe {
             gl.delete_framebuffer(self.framebuffer);
             for buffer in self.renderbuffers.drain(..) {
@@ -92,15 +92,15 @@ impl Attached {
 }
 
 impl Framebuffer {
-    /// A picture of `size` pixels.
+    /// Creates a picture of `size` pixels.
     ///
     /// # Errors
-    /// If the graphics card refuses it.
+    /// If the driver reports an error.
     pub fn new(gl: &Gl, size: [u32; 2]) -> Result<Self, String> {
         // SAFETY: reads a limit of the current context.
         let most = unsafe { gl.get_parameter_i32(gl::MAX_SAMPLES) };
-        let mut samples = Attached::new(gl, size, SAMPLES.min(most))?;
-        let resolved = Attached::new(gl, size, 0).inspect_err(|_| samples.delete(gl))?;
+        let mut samples = FramebufferObject::new(gl, size, SAMPLES.min(most))?;
+        let resolved = FramebufferObject::new(gl, size, 0).inspect_err(|_| samples.delete(gl))?;
         Ok(Self {
             gl: Arc::clone(gl),
             size,
@@ -115,7 +115,7 @@ impl Framebuffer {
         self.size
     }
 
-    /// Draws the picture, with one sample per pixel where it `is_rough`; the framebuffer that was bound is bound afterwards.
+    /// Draws the picture, with one sample per pixel if `is_rough`; the previous framebuffer is bound again afterwards.
     pub fn draw(
         &self,
         context: &three_d::Context,
@@ -124,7 +124,7 @@ impl Framebuffer {
     ) {
         let [width, height] = self.size;
         let [w, h] = self.size.map(|side| side as i32);
-        // SAFETY: the context is current; the framebuffers are this value's own, and the binding found is put back.
+        // SAFETY: the context is current; the framebuffers belong to this value, and the previous binding is restored.
         unsafe {
             let before = self
                 .gl
@@ -150,7 +150,7 @@ impl Framebuffer {
         }
     }
 
-    /// Copies the picture to what is bound, with its lower left corner at that of `place`, inside `clip`.
+    /// Copies the picture to the bound framebuffer, with its lower left corner at that of `place`, clipped to `clip`.
     pub fn show(&self, place: PixelBox, clip: PixelBox) {
         let [w, h] = self.size.map(|side| side as i32);
         // SAFETY: as in `draw`; the copy stays within the scissor, which egui sets anew for what it draws next.
@@ -169,7 +169,7 @@ impl Framebuffer {
         }
     }
 
-    /// Copies colours from the framebuffer that is bound for reading to that bound for drawing.
+    /// Copies colours from the framebuffer bound for reading to the one bound for drawing.
     ///
     /// # Safety
     /// The context must be current.
@@ -199,7 +199,7 @@ impl Drop for Framebuffer {
     }
 }
 
-/// Whether the processor draws instead of a graphics card.
+/// Whether the renderer is software, without a graphics card.
 #[must_use]
 pub fn is_software(gl: &Gl) -> bool {
     // SAFETY: reads a name of the current context.
@@ -209,19 +209,19 @@ pub fn is_software(gl: &Gl) -> bool {
         .any(|software| name.contains(software))
 }
 
-/// Binds a framebuffer of `size` while `paint` runs and gives what was painted, from the upper left corner.
+/// Binds a framebuffer of `size` while `paint` runs, and returns the painted picture from the upper left corner.
 ///
 /// # Errors
-/// If the graphics card refuses it.
+/// If the driver reports an error.
 pub fn paint_picture(
     gl: &Gl,
     size: [u32; 2],
     paint: impl FnOnce(),
 ) -> Result<image::RgbaImage, String> {
-    let mut attached = Attached::new(gl, size, 0)?;
+    let mut attached = FramebufferObject::new(gl, size, 0)?;
     let [width, height] = size;
     let mut bytes = vec![0; width as usize * height as usize * 4];
-    // SAFETY: the caller's context is current; the framebuffer is made here, and `bytes` has room for all pixels.
+    // SAFETY: the caller's context is current; the framebuffer is created here, and `bytes` has room for all pixels.
     unsafe {
         gl.bind_framebuffer(gl::FRAMEBUFFER, Some(attached.framebuffer));
         paint();

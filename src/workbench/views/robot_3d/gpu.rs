@@ -1,4 +1,4 @@
-//! Draws on the graphics card, through three-d.
+//! Rendering on the graphics card, with three-d.
 
 use std::sync::Arc;
 
@@ -12,23 +12,23 @@ use three_d::{
 use super::camera::Camera;
 use super::drawing::{Drawing, Lines, Points};
 use super::framebuffer::{Framebuffer, PixelBox, is_software};
-use super::parts::{Part, Shape};
+use super::parts::{Shape, SolidPart};
 
-/// What a picture depends on.
+/// Inputs of a rendered picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureKey {
     pub drawing: u64,
     pub camera: Camera,
-    /// Pixels.
+    /// Size in pixels.
     pub size: [u32; 2],
     /// Pixels per point of the screen.
     pub scale: f32,
-    /// Whether camera or platform move: of very many poses some are left out, and where the processor draws, edges are not
-    /// smoothed.
+    /// Whether camera or platform moves: then some of very many poses are omitted, and a software renderer does not
+    /// smooth edges.
     pub moves: bool,
 }
 
-/// Parts, by their shapes.
+/// Instances of the parts, by shape.
 struct PartBuffers([InstancedMesh; Shape::ALL.len()]);
 
 impl PartBuffers {
@@ -37,7 +37,7 @@ impl PartBuffers {
         Self(Shape::ALL.map(|shape| InstancedMesh::new(context, &none, shape.mesh())))
     }
 
-    fn fill(&mut self, parts: &[Part]) {
+    fn fill(&mut self, parts: &[SolidPart]) {
         for (shape, mesh) in Shape::ALL.into_iter().zip(&mut self.0) {
             let parts = parts.iter().filter(|part| part.shape == shape);
             let (places, colours) = parts.map(|part| (single(part), part.colour)).unzip();
@@ -89,8 +89,8 @@ impl Material for Paint {
     }
 }
 
-/// Where a part stands, as the graphics card takes it.
-fn single(part: &Part) -> Mat4 {
+/// Transformation of a part, for the graphics card.
+fn single(part: &SolidPart) -> Mat4 {
     let columns: [[f32; 4]; 4] = part.base_from_shape.cast::<f32>().into();
     columns.into()
 }
@@ -133,14 +133,14 @@ impl PointBuffers {
     }
 }
 
-/// A drawing on the graphics card.
-struct Loaded {
+/// Drawing on the graphics card.
+struct LoadedDrawing {
     number: u64,
     lines: LineBuffers,
     points: PointBuffers,
 }
 
-/// Points of poses on the graphics card; they stay there while the rest of the drawing changes.
+/// Points of the poses on the graphics card, kept while the rest of the drawing changes.
 struct LoadedPoses {
     points: Arc<Points>,
     buffers: PointBuffers,
@@ -154,13 +154,13 @@ struct Card {
     glass: PartBuffers,
     line: Program,
     point: Program,
-    loaded: Option<Loaded>,
+    loaded: Option<LoadedDrawing>,
     poses: Option<LoadedPoses>,
     framebuffer: Option<Framebuffer>,
     shown: Option<PictureKey>,
 }
 
-/// The robot's picture on the graphics card; it is made on first use, with the context that paints.
+/// Renderer of the robot; created on first use, with the context that paints.
 #[derive(Default)]
 pub struct Gpu {
     card: Option<Card>,
@@ -168,8 +168,8 @@ pub struct Gpu {
     draws: u64,
 }
 
-/// What all programs of a picture share.
-struct Look {
+/// State shared by all shader programs of a picture.
+struct FrameUniforms {
     camera: three_d::Camera,
     eye: Vec3,
     lamp: Vec3,
@@ -180,7 +180,7 @@ struct Look {
     opening: f32,
 }
 
-impl Look {
+impl FrameUniforms {
     fn new(key: &PictureKey, drawing: &Drawing) -> Self {
         let [width, height] = key.size;
         let (centre, radius) = &drawing.bounds;
@@ -233,7 +233,7 @@ impl Card {
         }
         self.solids.fill(&drawing.solids);
         self.glass.fill(&drawing.glass);
-        self.loaded = Some(Loaded {
+        self.loaded = Some(LoadedDrawing {
             number,
             lines: LineBuffers::new(&self.context, &drawing.lines),
             points: PointBuffers::new(&self.context, &drawing.points),
@@ -251,7 +251,7 @@ impl Card {
         }
     }
 
-    /// Makes the picture of `key` unless it is there; says whether it was drawn.
+    /// Renders the picture of `key` unless it exists; returns whether it was rendered.
     fn picture(&mut self, drawing: &Drawing, key: PictureKey) -> Result<bool, String> {
         if self.shown == Some(key) && self.framebuffer.is_some() {
             return Ok(false);
@@ -262,7 +262,7 @@ impl Card {
             self.framebuffer = Some(Framebuffer::new(&self.context, key.size)?);
         }
         if let Some(framebuffer) = &self.framebuffer {
-            let look = Look::new(&key, drawing);
+            let look = FrameUniforms::new(&key, drawing);
             framebuffer.draw(&self.context, self.is_software && key.moves, |target| {
                 self.draw(target, &look, drawing.ground);
             });
@@ -271,7 +271,7 @@ impl Card {
         Ok(true)
     }
 
-    fn draw(&self, target: &RenderTarget<'_>, look: &Look, ground: egui::Color32) {
+    fn draw(&self, target: &RenderTarget<'_>, look: &FrameUniforms, ground: egui::Color32) {
         let [r, g, b, _] = ground.to_array().map(|c| f32::from(c) / 255.0);
         target.clear(ClearState::color_and_depth(r, g, b, 1.0, 1.0));
         let Some(loaded) = &self.loaded else {
@@ -293,7 +293,7 @@ impl Card {
         target.render_with_material(&paint(true), &look.camera, &self.glass.0, &[]);
     }
 
-    fn share(program: &Program, look: &Look) {
+    fn share(program: &Program, look: &FrameUniforms) {
         program.use_uniform(
             "clip_from_base",
             look.camera.projection() * look.camera.view(),
@@ -304,7 +304,7 @@ impl Card {
         program.use_uniform("lift", look.lift);
     }
 
-    fn draw_lines(&self, buffers: &LineBuffers, look: &Look) {
+    fn draw_lines(&self, buffers: &LineBuffers, look: &FrameUniforms) {
         let count = buffers.from.instance_count();
         if count == 0 {
             return;
@@ -318,7 +318,7 @@ impl Card {
         program.draw_arrays_instanced(RenderStates::default(), look.camera.viewport(), 6, count);
     }
 
-    fn draw_points(&self, buffers: &PointBuffers, look: &Look, count: u32) {
+    fn draw_points(&self, buffers: &PointBuffers, look: &FrameUniforms, count: u32) {
         if count == 0 {
             return;
         }
@@ -337,7 +337,8 @@ impl Card {
 }
 
 impl Gpu {
-    /// Shows the picture of `key` at `place` of what is bound, inside `clip`; draws it before if it is not there.
+    /// Copies the picture of `key` to `place` of the bound framebuffer, clipped to `clip`; renders it first if
+    /// necessary.
     pub fn paint(
         &mut self,
         gl: &Arc<gl::Context>,
@@ -371,25 +372,25 @@ impl Gpu {
         Ok(())
     }
 
-    /// How often the picture was drawn, not copied.
+    /// Number of renderings of the picture; copies do not count.
     #[must_use]
     pub fn draws(&self) -> u64 {
         self.draws
     }
 
-    /// Whether the processor draws, once it has.
+    /// Whether a software renderer is used; known after the first rendering.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.card.as_ref().is_some_and(|card| card.is_software)
     }
 
-    /// Why there is no picture, if there cannot be one.
+    /// Reason why there is no picture, if rendering failed.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.failure.as_deref()
     }
 
-    /// Frees what lies on the graphics card, while its context is current.
+    /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.card = None;
     }

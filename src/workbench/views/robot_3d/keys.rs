@@ -1,4 +1,4 @@
-//! What the parts of the view depend on: they are made again only when that has changed.
+//! Keys of the cached parts of the view, which are rebuilt only when their key changes.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::model::link::LivePlatform;
 use crate::model::plot_preparation::same;
 use tautline_workflow::identification::Identification;
 
-/// What a scene depends on.
+/// Inputs of a scene.
 #[derive(Clone)]
 pub struct SceneKey {
     /// Id and revision of the session.
@@ -24,11 +24,11 @@ pub struct SceneKey {
     pub live: Option<LivePlatform>,
     /// Whether errors of position are shown.
     pub shows_errors: bool,
-    /// How far a pulley may be from the drawing (m).
+    /// Largest acceptable displacement of a pulley from the drawing (m).
     pub tolerance_m: Option<f64>,
 }
 
-/// What a drawing depends on, besides its scene.
+/// Inputs of a drawing, besides its scene.
 #[derive(Clone, PartialEq)]
 pub struct DrawingKey {
     pub theme: Theme,
@@ -36,7 +36,7 @@ pub struct DrawingKey {
     pub selection: Selection,
 }
 
-/// What the points of the poses depend on.
+/// Inputs of the points of the poses.
 #[derive(Clone)]
 pub struct PosesKey {
     pub measured: Arc<MeasuredPoses>,
@@ -55,7 +55,7 @@ impl PartialEq for PosesKey {
 }
 
 impl SceneKey {
-    /// Whether the measured poses are still these, wherever the platform is.
+    /// Whether the measured poses are the same, wherever the platform is.
     pub fn has_poses_of(&self, other: &Self) -> bool {
         self.session == other.session
             && same(self.fit.as_ref(), other.fit.as_ref())
@@ -71,7 +71,7 @@ impl SceneKey {
     }
 }
 
-/// Positions of the poses that are still to be measured (m).
+/// Positions of the poses still to be measured (m).
 pub fn planned(session: &Session) -> Vec<Vec3> {
     let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
     let planned = session.plan.iter();

@@ -1,5 +1,5 @@
-//! Numbers of the cables beside their pulleys, where they cover neither a pulley nor each other; with a leader where that
-//! is not close by.
+//! Cable numbers beside their pulleys, placed so that they cover neither a pulley nor each other; a distant number has
+//! a leader line.
 
 use std::f64::consts::TAU;
 
@@ -8,49 +8,48 @@ use egui::{Pos2, Rect, Vec2, vec2};
 use super::picking::Picture;
 use super::scene::{Besides, Wheel};
 
-/// How far from the edge of a pulley a label is tried (points).
+/// Distances from the edge of a pulley that are tried for a label (points).
 const REACHES: [f32; 9] = [2.0, 14.0, 28.0, 44.0, 62.0, 84.0, 110.0, 140.0, 175.0];
-/// From this distance on a leader leads to the label (points).
+/// Smallest distance of a label with a leader line (points).
 const LEADER: f32 = 40.0;
-/// Directions that are tried, from the one away from the cable (rad).
+/// Directions that are tried, relative to the direction away from the cable (rad).
 const TURNS: [f32; 12] = [
     0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.6, -2.6, 3.1,
 ];
-/// Points of a wheel's circle that say where it is seen.
+/// Number of points on a wheel's circle for its outline on the screen.
 const AROUND: usize = 24;
 /// Half the width of a wheel, in its radii.
 const HALF_WIDTH: f64 = 0.15;
 /// Side of the boxes along an arrow (points).
 const ARROW: f32 = 8.0;
-/// Half the size of a pulley that is drawn as a disc (points).
+/// Half the size of a pulley drawn as a disc (points).
 const DISC: f32 = 5.0;
 
-/// A number with its place.
+/// Label of a pulley with its position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// The cable, by its index.
+    /// Index of the cable.
     pub cable: usize,
-    /// What is written.
     pub text: String,
-    /// Where it is written (points).
+    /// Rectangle of the text (points).
     pub rect: Rect,
-    /// Where its pulley is.
+    /// Position of the pulley.
     pub at: Pos2,
-    /// Whether it is so far away that a line leads to it.
+    /// Whether a leader line connects it with the pulley.
     pub has_leader: bool,
 }
 
-/// A pulley that is to be labelled.
-struct Wanted {
+/// Pulley to be labelled.
+struct LabelRequest {
     cable: usize,
     text: String,
-    /// What the pulley covers.
+    /// Rectangle covered by the pulley.
     pulley: Rect,
-    /// The direction away from its cable.
+    /// Direction away from the cable.
     away: Vec2,
 }
 
-/// The part of the picture in `rect` that a pulley covers at most (points); `None` behind the eye.
+/// Rectangle in `rect` that a pulley covers at most (points); `None` behind the eye.
 pub fn covered(picture: &Picture<'_>, rect: Rect, wheel: &Wheel) -> Option<Rect> {
     let centre = on_screen(picture, rect, &wheel.centre)?;
     let mut covered = Rect::from_center_size(centre, Vec2::splat(2.0 * DISC));
@@ -76,7 +75,7 @@ fn on_screen(
     Some(rect.min + vec2(seen.x as f32, seen.y as f32))
 }
 
-/// What all pulleys cover that are drawn (points).
+/// Rectangles covered by all drawn pulleys (points).
 pub fn pulleys(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
     let cables = 0..picture.scene.cables.len();
     let wheels = cables.flat_map(|index| {
@@ -108,7 +107,7 @@ fn arrows(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
         .collect()
 }
 
-/// The numbers of the cables of a picture in `rect`, none of them over a pulley or what is `taken`; `size` is that of a text.
+/// Labels of a picture in `rect`, none of them over a pulley or a `taken` rectangle; `size` returns the size of a text.
 pub fn labels(
     picture: &Picture<'_>,
     rect: Rect,
@@ -136,12 +135,12 @@ pub fn labels(
     labels
 }
 
-/// Pulleys in the picture with their texts. Of a pulley that has moved between two sessions both places are labelled.
-fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
+/// Pulleys in the picture with their texts. A pulley that moved between two sessions is labelled at both positions.
+fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<LabelRequest> {
     let scene = picture.scene;
     let mut all = Vec::new();
     let cables = scene.cables.iter().enumerate();
-    // Which one is inspected is said elsewhere.
+    // The inspected pulley is named in the header.
     for (cable, view) in cables.filter(|(cable, _)| picture.options.inspected != Some(*cable)) {
         let placed = picture.placed(cable);
         let number = view.label.clone();
@@ -163,7 +162,7 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
             let away = anchor.map_or(vec2(0.0, -1.0), |anchor| {
                 (pulley.center() - anchor).normalized()
             });
-            all.push(Wanted {
+            all.push(LabelRequest {
                 cable,
                 text,
                 pulley,
@@ -174,9 +173,14 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
     all
 }
 
-/// A place for a text of `size` around a pulley, the closest that is free, and how far that is from its edge; `None` if the
+/// Closest free rectangle for a text of `size` around a pulley, and its distance from the pulley's edge; `None` if the
 /// pulley is not in the picture or nothing is free.
-fn free_place(wanted: &Wanted, size: Vec2, inside: Rect, taken: &[Rect]) -> Option<(Rect, f32)> {
+fn free_place(
+    wanted: &LabelRequest,
+    size: Vec2,
+    inside: Rect,
+    taken: &[Rect],
+) -> Option<(Rect, f32)> {
     if !inside.contains(wanted.pulley.center()) {
         return None;
     }
@@ -184,7 +188,7 @@ fn free_place(wanted: &Wanted, size: Vec2, inside: Rect, taken: &[Rect]) -> Opti
     let candidates = REACHES.into_iter().flat_map(|far| {
         TURNS.map(|turn| {
             let direction = egui::emath::Rot2::from_angle(turn) * wanted.away;
-            // To where the text touches the box around the pulley, and on from there.
+            // Distance to where the text touches the box around the pulley, plus `far`.
             let touches = (half.x / direction.x.abs()).min(half.y / direction.y.abs());
             let centre = wanted.pulley.center() + direction * (touches + far);
             (Rect::from_center_size(centre, size), far)
@@ -210,13 +214,13 @@ mod tests {
     use super::*;
     use crate::views::robot_3d::camera::{Camera, StandardView};
     use crate::views::robot_3d::drawing::Options;
-    use crate::views::robot_3d::parts::Part;
-    use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
+    use crate::views::robot_3d::parts::SolidPart;
+    use crate::views::robot_3d::scene::{Displacement, Scene, SceneInputs, SideNames};
 
-    /// A preset whose pulleys are up to 5 mm from the drawing.
+    /// Scene of a preset whose pulleys are up to 5 mm from the drawing.
     fn scene_of(name: &str, random: &mut ChaCha8Rng) -> Scene {
         let robot = presets::find(name).unwrap().robot;
-        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         scene.besides = Besides::Drawing;
         for cable in &mut scene.cables {
             let by = Vec3::from_fn(|_, _| random.random_range(-5e-3..5e-3));
@@ -234,7 +238,7 @@ mod tests {
         scene
     }
 
-    /// Whether a triangle and a box have a point in common: no side of either separates them.
+    /// Whether a triangle and a box intersect: no side of either separates them.
     fn meets(triangle: &[Pos2; 3], rect: &Rect) -> bool {
         let corners = [
             rect.left_top(),
@@ -292,7 +296,7 @@ mod tests {
                 let centre = on_screen(&picture, rect, &placed.wheel.centre);
                 visible += usize::from(centre.is_some_and(|at| rect.shrink(20.0).contains(at)));
                 let wheels = placed.other.iter().chain([&placed.wheel]);
-                let parts = wheels.map(|wheel| Part::wheel(wheel, Srgba::WHITE));
+                let parts = wheels.map(|wheel| SolidPart::wheel(wheel, Srgba::WHITE));
                 for corners in parts.flat_map(|part| part.triangles()) {
                     let seen: Option<Vec<Pos2>> = corners
                         .iter()

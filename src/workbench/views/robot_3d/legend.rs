@@ -1,4 +1,4 @@
-//! What colours in the picture mean.
+//! Legends of the colours in the picture.
 
 use egui::{Align2, Color32, Painter, Pos2, Rect, pos2, vec2};
 
@@ -14,11 +14,11 @@ use tautline_session::Stage;
 use tautline_workflow::report::tolerance::Conformity;
 use tautline_workflow::wording::units::significant;
 
-/// Width of a scale of colours (points), and in a small picture.
+/// Width of a colour scale (points), and in a small picture.
 const WIDTH: f32 = 160.0;
 const SMALL_WIDTH: f32 = 108.0;
 
-/// Draws the legends above each other in the lower right corner of `rect`; gives where they are.
+/// Draws the legends on top of each other in the lower right corner of `rect`; returns their rectangles.
 pub fn paint(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
     let scene = picture.scene;
     let mut at = rect.right_bottom() - vec2(4.0 * GRID, 5.0 * GRID);
@@ -105,7 +105,7 @@ fn displacements(
     }
 }
 
-/// A line for each region around the nominal place of the pulley that is inspected.
+/// Legend of the bands around the nominal position of the inspected pulley.
 fn bands(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Option<Rect> {
     let (scene, options) = (picture.scene, picture.options);
     options.inspected?;
@@ -128,7 +128,7 @@ fn bands(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) 
     (!lines.is_empty()).then(|| words(painter, at, (title, &lines), palette))
 }
 
-/// A line for each stage whose errors of position are drawn.
+/// Legend of the stages whose errors of position are drawn.
 fn errors(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Option<Rect> {
     let scene = picture.scene;
     let is_drawn = picture.options.errors && picture.options.inspected.is_none();
@@ -143,7 +143,7 @@ fn errors(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette)
     (!lines.is_empty()).then(|| words(painter, at, (&title, &lines), palette))
 }
 
-/// A line for each side of the tolerance that occurs.
+/// Legend of the conformities that occur.
 fn conformities(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let scene = picture.scene;
     let tolerance_m = scene.tolerance_m.unwrap_or(f64::INFINITY);
@@ -164,7 +164,7 @@ fn conformities(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Pa
     words(painter, at, (&title, &lines), palette)
 }
 
-/// A line for each significance that occurs.
+/// Legend of the significances that occur.
 fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let scene = picture.scene;
     let occurs = |one: &Significance| {
@@ -188,7 +188,7 @@ fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &P
     words(painter, at, ("Displacements", &lines), palette)
 }
 
-/// Lines of words, each with its colour, below a title; gives where they are.
+/// Lines of text in their colours below a title; returns their rectangle.
 fn words(
     painter: &Painter,
     at: Pos2,
@@ -210,7 +210,7 @@ fn words(
     drawn.union(title)
 }
 
-/// A scale of colours whose lower right corner is at `at`; gives where it and what is written at it are.
+/// Colour scale with its lower right corner at `at`; returns the rectangle of the scale and its labels.
 fn ramp(
     painter: &Painter,
     at: Pos2,
@@ -220,7 +220,7 @@ fn ramp(
     palette: &Palette,
 ) -> Rect {
     const STEPS: usize = 40;
-    // A small picture is left to the robot: the unit stands below the title there.
+    // A small picture has its unit below the title, to leave room for the robot.
     let is_small = painter.clip_rect().width() < WIDE;
     let width = if is_small { SMALL_WIDTH } else { WIDTH };
     let left = at.x - width;

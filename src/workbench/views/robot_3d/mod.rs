@@ -1,8 +1,8 @@
 //! The robot in 3D: frame, pulleys, cables, platform, laser, poses.
 //!
-//! From the open session to the screen in four steps, each repeated only when what it depends on has changed: a
-//! [`Scene`] says what there is, in metres; a [`Drawing`] gives it colours; the graphics card makes a picture of it for
-//! a [`Camera`]; and every frame copies the picture and writes over it.
+//! The picture is made in four steps, each repeated only when its inputs have changed: a [`Scene`] contains the
+//! geometry in metres; a [`Drawing`] adds colours; the graphics card renders it for a [`Camera`]; and every frame
+//! copies the picture and adds annotations.
 
 mod callout;
 pub mod camera;
@@ -35,29 +35,29 @@ use camera::{Camera, Projection};
 use drawing::{Drawing, Options, Points};
 use keys::{DrawingKey, PosesKey, SceneKey, planned};
 use navigation::Navigation;
-use picking::{Picture, Thing};
+use picking::{Pickable, Picture};
 use picture::{PictureRequest, Target};
-use scene::{Scene, Shown, Subject};
+use scene::{Scene, SceneInputs, ShownPose};
 
-pub use toolbar::Aim;
+pub use toolbar::CameraRequest;
 
 use crate::model::command::{Outbox, PlotCommand, PlotFile, ViewCommand};
 use crate::model::link::LivePlatform;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
 use crate::widgets::empty;
 
-/// How long camera and platform rest before everything is drawn again (s).
+/// Time without motion of camera and platform before the picture is rendered in full quality (s).
 const REST_S: f64 = 0.1;
-/// How long a platform that moves stays where it was drawn, where the processor draws (s): every place is a new picture.
+/// Smallest interval between two positions of a moving platform with a software renderer (s), because each is a new
+/// picture.
 const FOLLOWED_S: f64 = 0.1;
 
 /// State of the view between frames.
 #[derive(Default)]
 pub struct Robot3d {
-    /// What is drawn and how.
     pub options: Options,
     navigation: Navigation,
     scene: Option<(SceneKey, Arc<Scene>)>,
@@ -68,7 +68,7 @@ pub struct Robot3d {
     hovers: bool,
     /// Number of the drawing in the last frame.
     shown: Option<u64>,
-    /// When the camera or the platform moved last, in time of the window (s).
+    /// Time of the last motion of camera or platform, in time of the window (s).
     moved_s: Option<f64>,
     /// Live platform, and the time of its last update in time of the window (s).
     followed: Option<(LivePlatform, f64)>,
@@ -76,36 +76,36 @@ pub struct Robot3d {
 }
 
 impl Robot3d {
-    /// How often the picture was drawn, not copied.
+    /// Number of renderings of the picture; copies do not count.
     #[must_use]
     pub fn draws(&self) -> u64 {
         self.canvas.draws()
     }
 
-    /// Whether the processor draws, once it has.
+    /// Whether a software renderer is used; known after the first rendering.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.canvas.is_software()
     }
 
-    /// The camera, once the view was shown.
+    /// Camera, once the view was shown.
     #[must_use]
     pub fn camera(&self) -> Option<&Camera> {
         self.navigation.camera()
     }
 
-    /// The scene, once the view was shown.
+    /// Scene, once the view was shown.
     #[must_use]
     pub fn scene(&self) -> Option<&Arc<Scene>> {
         self.scene.as_ref().map(|(_, scene)| scene)
     }
 
-    /// Frees what lies on the graphics card, while its context is current.
+    /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.canvas.destroy();
     }
 
-    /// The scene of the open session; the camera starts anew for another session.
+    /// Scene of the open session; the camera is reset for another session.
     fn scene_of(&mut self, ui: &Ui, model: &Model, open: &OpenSession) -> Arc<Scene> {
         self.follow(ui, model.live_platform.as_ref());
         let live = self.followed.as_ref().map(|(live, _)| live);
@@ -122,7 +122,7 @@ impl Robot3d {
             return Arc::clone(scene);
         }
         let session = open.session();
-        // They stay while the platform moves.
+        // Poses are kept while the platform moves.
         let poses = known.filter(|(known, _)| known.has_poses_of(&key));
         let planned = poses.map_or_else(|| planned(session), |(_, scene)| scene.planned.clone());
         let errors = match (key.shows_errors, poses) {
@@ -130,7 +130,7 @@ impl Robot3d {
             (true, None) => scene::errors::of_session(session),
             (false, _) => Vec::new(),
         };
-        let subject = Subject {
+        let subject = SceneInputs {
             errors: &errors,
             robot: &session.robot,
             measurements: &session.measurements,
@@ -146,14 +146,14 @@ impl Robot3d {
         let scene = Arc::new(scene);
         if known.is_none_or(|(known, _)| known.session.0 != key.session.0) {
             self.navigation.start_anew();
-            // What is pinned are pulleys of the other robot.
+            // The pinned pulleys belong to the other robot.
             self.options.pinned.clear();
         }
         self.scene = Some((key, Arc::clone(&scene)));
         scene
     }
 
-    /// Takes over where the platform is; where the processor draws, not more often than a person needs.
+    /// Takes over the live platform, at a limited rate with a software renderer.
     fn follow(&mut self, ui: &Ui, latest: Option<&LivePlatform>) {
         let now_s = ui.input(|input| input.time);
         if let (Some((shown, since_s)), Some(latest)) = (&self.followed, latest)
@@ -200,7 +200,7 @@ impl Robot3d {
         drawing
     }
 
-    /// The points of the poses; they stay while the platform moves.
+    /// Points of the poses, kept while the platform moves.
     fn poses_of(&mut self, scene: &Scene, selection: Selection, theme: Theme) -> Arc<Points> {
         let key = PosesKey {
             measured: Arc::clone(&scene.measured),
@@ -219,7 +219,7 @@ impl Robot3d {
     }
 }
 
-/// Draws the robot of the open session with its toolbar; `hovered` is what is under the pointer, in all views.
+/// Draws the robot of the open session with its toolbar; `hovered` is the selection under the pointer, in all views.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
@@ -239,19 +239,19 @@ pub fn show(
     let button = model.maximised.is_none().then_some(&mut maximise);
     let aim = view.toolbar(ui, &scene, (model.selection, button));
     if maximise {
-        outbox.send(ViewCommand::Maximise(Some(Part::Robot)));
+        outbox.send(ViewCommand::Maximise(Some(ScreenPart::Robot)));
     }
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
     send(touched, outbox);
 }
 
-/// Draws the pulley that is inspected, among what fades behind it.
+/// Draws the inspected pulley, with everything else faded.
 pub fn inspect(
     ui: &mut Ui,
     (model, open): (&Model, &OpenSession),
     cable: usize,
     (view, hovered): (&mut Robot3d, &mut Selection),
-    (aim, outbox): (Option<Aim>, &mut Outbox),
+    (aim, outbox): (Option<CameraRequest>, &mut Outbox),
 ) {
     view.inspect(Some(cable));
     let scene = view.scene_of(ui, model, open);
@@ -259,7 +259,7 @@ pub fn inspect(
     send(touched, outbox);
 }
 
-/// Draws the pulleys of two sessions with the toolbar; what would be inspected fills the view.
+/// Draws the pulleys of two sessions with the toolbar; a request to inspect a pulley frames it instead.
 pub fn show_beside(
     ui: &mut Ui,
     scene: &Arc<Scene>,
@@ -275,7 +275,7 @@ pub fn show_beside(
     send(touched, outbox);
 }
 
-fn send(touched: Touched, outbox: &mut Outbox) {
+fn send(touched: ViewResponse, outbox: &mut Outbox) {
     if let Some(selection) = touched.selection {
         outbox.send(ViewCommand::Select(selection));
     }
@@ -290,14 +290,14 @@ fn send(touched: Touched, outbox: &mut Outbox) {
     }
 }
 
-/// What the operator did with the picture.
+/// Interaction of the operator with the picture.
 #[derive(Debug, Clone, Default)]
-pub struct Touched {
-    /// What a click selects.
+pub struct ViewResponse {
+    /// Selection after a click.
     pub selection: Option<Selection>,
-    /// The pulley that is to be inspected.
+    /// Pulley to inspect.
     pub inspected: Option<usize>,
-    /// The picture that is to be saved.
+    /// Picture to save.
     pub picture: Option<Arc<ColorImage>>,
 }
 
@@ -307,25 +307,24 @@ impl Robot3d {
         self.navigation.start_anew();
     }
 
-    /// Flies to a pulley among its neighbours.
+    /// Moves the camera to a pulley among its neighbours.
     pub fn frame(&mut self, cable: usize) {
         self.navigation.frame(cable);
     }
 
-    /// Flies to a pulley to inspect it, to another one, or back to where the camera was before.
+    /// Moves the camera to inspect a pulley, or back to the view before.
     fn inspect(&mut self, cable: Option<usize>) {
         self.options.inspected = cable;
         self.navigation.inspect(cable);
     }
 
-    /// Draws the row above the picture, with a button that maximises the view where it can be; gives the camera movement
-    /// that was asked for.
+    /// Draws the toolbar, with a button that maximises the view if possible; returns a requested camera movement.
     pub fn toolbar(
         &mut self,
         ui: &mut Ui,
         scene: &Scene,
         (selection, maximise): (Selection, Option<&mut bool>),
-    ) -> Option<Aim> {
+    ) -> Option<CameraRequest> {
         let mut aim = None;
         let projection = self
             .camera()
@@ -339,36 +338,36 @@ impl Robot3d {
                 let state = (projection, can_frame, maximise);
                 aim = toolbar::show(ui, &mut self.options, scene, state);
             });
-        // The picture begins where the row ends, so that no strip of another colour is between them.
+        // The picture begins directly below the toolbar, without a strip of another colour.
         ui.add_space(-ui.spacing().item_spacing.y);
         aim
     }
 
-    /// Draws a scene; gives what the operator did. `hovered` is what is under the pointer, in all views.
+    /// Draws a scene and returns the interaction. `hovered` is the selection under the pointer, in all views.
     pub fn show(
         &mut self,
         ui: &mut Ui,
         scene: &Arc<Scene>,
-        aim: Option<Aim>,
+        aim: Option<CameraRequest>,
         selection: Selection,
         hovered: &mut Selection,
-    ) -> Touched {
+    ) -> ViewResponse {
         let drawing = self.drawing_of(scene, selection, ui.theme());
         let size = ui.available_size().max(egui::Vec2::splat(16.0));
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let aim = aim.or_else(|| canvas::keys(ui, &response));
-        let mut touched = Touched::default();
+        let mut touched = ViewResponse::default();
         match (aim, selection.cable) {
-            (Some(Aim::Selected), cable) => touched.inspected = cable,
-            (Some(Aim::Frame), Some(cable)) => self.navigation.frame(cable),
-            (Some(Aim::Frame), None) if selection.pose.is_some() => {
+            (Some(CameraRequest::Selected), cable) => touched.inspected = cable,
+            (Some(CameraRequest::Frame), Some(cable)) => self.navigation.frame(cable),
+            (Some(CameraRequest::Frame), None) if selection.pose.is_some() => {
                 self.navigation.frame_platform();
             }
             _ => {}
         }
         let aim = aim.map(|aim| match (aim, selection.cable) {
-            (Aim::Selected, None) => Aim::All,
+            (CameraRequest::Selected, None) => CameraRequest::All,
             _ => aim,
         });
         let flies = self.camera_for(ui, scene, aim, &response, &drawing);
@@ -399,11 +398,11 @@ impl Robot3d {
         }
         let picked = thing.map(canvas::selection_of).unwrap_or_default();
         if thing.is_some() || self.hovers {
-            // What another view hovers stays until the pointer is here.
+            // The hovered selection of another view stays until the pointer enters this one.
             *hovered = picked;
             self.hovers = thing.is_some();
         }
-        if let (Some(Thing::Pulley(index)), true) = (thing, response.clicked()) {
+        if let (Some(Pickable::Pulley(index)), true) = (thing, response.clicked()) {
             self.options.pin(index);
         }
         touched.inspected = touched.inspected.or(found);
@@ -414,7 +413,7 @@ impl Robot3d {
         touched
     }
 
-    /// The menu of the picture; gives the picture that is to be saved.
+    /// Context menu of the picture; returns a picture to save.
     fn menu(&mut self, response: &Response) -> Option<Arc<ColorImage>> {
         response.context_menu(|ui| {
             if ui.button("Reset view").clicked() {
@@ -434,12 +433,12 @@ impl Robot3d {
         self.picture.receive(&response.ctx)
     }
 
-    /// Moves the camera as keys, buttons and the pointer ask; says whether it moves.
+    /// Moves the camera by keys, buttons and pointer; returns whether it moves.
     fn camera_for(
         &mut self,
         ui: &Ui,
         scene: &Scene,
-        aim: Option<Aim>,
+        aim: Option<CameraRequest>,
         response: &Response,
         drawing: &Drawing,
     ) -> bool {
@@ -463,7 +462,7 @@ impl Robot3d {
         };
         if response.double_clicked() && is_empty() {
             let tips = self.options.tips(scene);
-            let all = Some(Aim::All);
+            let all = Some(CameraRequest::All);
             navigation.aim(ui, (scene, magnification), tips, all, aspect);
         } else {
             navigation.steer(ui, response, under);
@@ -471,13 +470,12 @@ impl Robot3d {
         before.is_some_and(|before| navigation.camera() != Some(&before))
     }
 
-    /// How long camera and platform still have to rest until everything is drawn as finely as it can be (s); nothing if it
-    /// is.
+    /// Remaining time without motion until the picture is rendered in full quality (s); `None` if it is already.
     fn rest(&mut self, ui: &Ui, scene: &Scene, drawing: &Drawing, flies: bool) -> Option<f64> {
         let has_more = drawing.poses.coarse < drawing.poses.centres.len();
         let is_rough = has_more || self.is_software();
         let now_s = ui.input(|input| input.time);
-        let has_new_platform = matches!(scene.shown, Shown::Live | Shown::Stopped)
+        let has_new_platform = matches!(scene.shown, ShownPose::Live | ShownPose::Stopped)
             && self.shown != Some(self.drawings);
         if flies || has_new_platform {
             self.moved_s = Some(now_s);

@@ -1,4 +1,4 @@
-//! Where the camera is and where it goes: what it shows until the operator moves it, flights to pulleys and back.
+//! Navigation: automatic framing until the operator moves the camera, and transitions to pulleys and back.
 
 use egui::{Response, Ui};
 use tautline_core::geometry::Vec3;
@@ -6,50 +6,50 @@ use tautline_core::geometry::Vec3;
 use super::camera::{Camera, Flight, StandardView};
 use super::canvas;
 use super::scene::{Scene, Wheel};
-use super::toolbar::Aim;
+use super::toolbar::CameraRequest;
 
-/// Free space around a pulley that is inspected, in its radii.
+/// Free space around an inspected pulley, in its radii.
 const AROUND: f64 = 1.35;
-/// Least part of the frame's size that is shown around a pulley that is framed among others.
+/// Smallest share of the frame's size that is shown around a framed pulley.
 const NEIGHBOURHOOD: f64 = 0.06;
 
-/// Where the camera is asked to go.
+/// Target of a camera movement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Goal {
-    /// So close to a pulley that its displacement is seen true to scale.
+    /// Close-up of a pulley at which its displacement is visible true to scale.
     Inspect(usize),
-    /// To a pulley among its neighbours.
+    /// Pulley among its neighbours.
     Frame(usize),
     Platform,
-    /// To where it was before pulleys were inspected.
+    /// View before pulleys were inspected.
     Back,
 }
 
-/// What the camera shows all of until the operator moves it.
+/// Aspect ratio and points framed automatically, until the operator moves the camera.
 type Framed = Option<(f64, Vec<Vec3>)>;
 
-/// The camera of a view with where it goes.
+/// Camera of a view with its movements.
 #[derive(Debug, Default)]
 pub struct Navigation {
     camera: Option<Camera>,
-    /// Shape of the picture, and ends of displacements (m).
+    /// Aspect ratio of the picture, and ends of displacements (m).
     framed: Framed,
     flight: Option<Flight>,
     goal: Option<Goal>,
-    /// The pulley that is inspected, and how everything was seen before.
+    /// Inspected pulley, and camera before.
     inspected: Option<usize>,
     before: Option<(Camera, Framed)>,
-    /// What the pointer took hold of.
+    /// Point grabbed by the pointer.
     pivot: Option<Vec3>,
 }
 
 impl Navigation {
-    /// The camera, once the view was shown.
+    /// Camera, once the view was shown.
     pub fn camera(&self) -> Option<&Camera> {
         self.camera.as_ref()
     }
 
-    /// Forgets where it was: the next scene is fitted to the view.
+    /// Resets the camera: the next scene is fitted to the view.
     pub fn start_anew(&mut self) {
         *self = Self {
             inspected: self.inspected,
@@ -58,7 +58,7 @@ impl Navigation {
         };
     }
 
-    /// Flies to a pulley to inspect it, to another one, or back.
+    /// Moves the camera to inspect a pulley, or back.
     pub fn inspect(&mut self, cable: Option<usize>) {
         if self.inspected == cable {
             return;
@@ -70,24 +70,24 @@ impl Navigation {
         self.inspected = cable;
     }
 
-    /// Flies to a pulley among its neighbours.
+    /// Moves the camera to a pulley among its neighbours.
     pub fn frame(&mut self, cable: usize) {
         self.goal = Some(Goal::Frame(cable));
     }
 
-    /// Flies to the platform.
+    /// Moves the camera to the platform.
     pub fn frame_platform(&mut self) {
         self.goal = Some(Goal::Platform);
     }
 
-    /// The camera in the present frame: turned as was asked, on its way, or showing everything anew because the picture or
-    /// the displacements have changed. `magnification` is that of displacements.
+    /// Camera of the present frame: turned on request, in transition, or refitted because picture or displacements have
+    /// changed. `magnification` is that of displacements.
     pub fn aim(
         &mut self,
         ui: &Ui,
         (scene, magnification): (&Scene, f64),
         tips: Vec<Vec3>,
-        aim: Option<Aim>,
+        aim: Option<CameraRequest>,
         aspect: f64,
     ) -> Camera {
         let mut extent = scene.extent();
@@ -98,15 +98,15 @@ impl Navigation {
             Camera::new(scene.directions, StandardView::Isometric, &extent, aspect)
         });
         match aim {
-            Some(Aim::To(side)) => camera.turn_to(side),
-            Some(Aim::Project(projection)) => camera.set_projection(projection),
-            Some(Aim::Selected) => {
+            Some(CameraRequest::To(side)) => camera.turn_to(side),
+            Some(CameraRequest::Project(projection)) => camera.set_projection(projection),
+            Some(CameraRequest::Selected) => {
                 self.goal = self.inspected.map(Goal::Inspect).or(self.goal);
             }
-            Some(Aim::All | Aim::Frame) | None => {}
+            Some(CameraRequest::All | CameraRequest::Frame) | None => {}
         }
         let is_other = self.framed.as_ref().is_some_and(|framed| *framed != now);
-        let shows_all = matches!(aim, Some(Aim::All | Aim::To(_)));
+        let shows_all = matches!(aim, Some(CameraRequest::All | CameraRequest::To(_)));
         if shows_all || is_other {
             camera.fit(&extent, aspect);
             self.framed = Some(now).filter(|_| self.inspected.is_none());
@@ -130,7 +130,7 @@ impl Navigation {
         camera
     }
 
-    /// Where a flight ends.
+    /// Camera at the end of a transition.
     fn end(
         &mut self,
         goal: Goal,
@@ -167,7 +167,7 @@ impl Navigation {
         end
     }
 
-    /// Follows the pointer; `under` is what it is over (m). Says whether the camera was moved.
+    /// Follows the pointer; `under` is the point under it (m). Returns whether the camera was moved.
     pub fn steer(&mut self, ui: &Ui, response: &Response, under: Option<Vec3>) -> bool {
         let Some(camera) = &mut self.camera else {
             return false;
@@ -186,8 +186,8 @@ impl Navigation {
     }
 }
 
-/// From where a pulley is looked at: across its plane and a little from above, from the side that is seen now. `forward`
-/// is the present direction of view.
+/// Direction of view for inspecting a pulley: perpendicular to its plane and slightly from above, on the side that is
+/// visible now. `forward` is the present direction of view.
 fn towards(scene: &Scene, cable: usize, forward: &Vec3) -> Option<Vec3> {
     let normal = scene.cables.get(cable)?.wheel.normal;
     let facing = if normal.dot(forward) > 0.0 {
@@ -209,8 +209,8 @@ fn beside_platform(scene: &Scene) -> Vec<Vec3> {
         .into()
 }
 
-/// Points around both pulleys of a cable where they are drawn (m): all of their wheels, the displacement with its
-/// uncertainty, and at least `least_m` to every side.
+/// Points around both pulleys of a cable as drawn (m): their wheels, the displacement with its uncertainty, and at
+/// least `least_m` to every side.
 fn around(scene: &Scene, cable: usize, magnification: f64, least_m: f64) -> Vec<Vec3> {
     let placed = scene.placed(cable, magnification);
     let moved = scene.cables.get(cable).and_then(|cable| cable.moved);

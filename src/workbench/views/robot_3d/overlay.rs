@@ -11,17 +11,17 @@ use crate::theme::{self, GRID, Palette};
 use tautline_workflow::plot::round::round_down;
 use tautline_workflow::wording::list;
 
-/// Size of what is written (points).
+/// Text size (points).
 pub(super) const SMALL: f32 = 11.5;
-/// Width of the picture (points) from which on there is room for everything at its lower edge.
+/// Width of the picture (points) at which all annotations fit at its lower edge.
 pub(super) const WIDE: f32 = 520.0;
 
-/// Height of the picture (points) from which on there is room for words over the robot.
+/// Height of the picture (points) at which text fits above the robot.
 const HIGH: f32 = 260.0;
-/// Height of the picture (points) up to which there is no room for directions below the words.
+/// Height of the picture (points) up to which there is no room for the axes below the text.
 const LOW: f32 = 120.0;
 
-/// Writes over the picture in `rect`.
+/// Draws the annotations over the picture in `rect`.
 pub fn paint(
     painter: &Painter,
     rect: Rect,
@@ -49,7 +49,7 @@ fn place(rect: Rect, seen: &OnScreen) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
-/// Writes a text on a ground of its own, so that it can be read over the robot; gives where it is.
+/// Draws a text on its own background, readable over the robot; returns its rectangle.
 pub(super) fn text(
     painter: &Painter,
     at: Pos2,
@@ -65,7 +65,7 @@ pub(super) fn text(
     rect
 }
 
-/// Colours of what is less important, and of its ground.
+/// Colours of less important text and its background.
 pub(super) fn quiet(palette: &Palette) -> (Color32, Color32) {
     (palette.muted, behind(palette))
 }
@@ -74,7 +74,7 @@ fn behind(palette: &Palette) -> Color32 {
     palette.ground.gamma_multiply(0.72)
 }
 
-/// The cable and the pose under the pointer, here or in another view.
+/// Highlights the cable and the pose under the pointer, in this or another view.
 fn highlight(
     painter: &Painter,
     rect: Rect,
@@ -100,7 +100,7 @@ fn highlight(
     }
 }
 
-/// Numbers of the cables beside their pulleys, where they hide nothing.
+/// Draws the cable numbers beside their pulleys; they hide nothing.
 fn numbers(
     painter: &Painter,
     rect: Rect,
@@ -130,7 +130,7 @@ fn numbers(
     }
 }
 
-/// Which pose is shown, and what is larger than it is; gives where that is written.
+/// Draws the shown pose and the exaggeration; returns the rectangles of the texts.
 fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
     let at = rect.left_top() + vec2(3.0 * GRID, 2.0 * GRID);
     let Options {
@@ -159,7 +159,7 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     let is_judged = is_drawn(Band::Tolerance, picture.scene, picture.options);
     parts.extend(is_judged.then_some("tolerances"));
     let parts = list(&parts);
-    // In two lines where one would reach over the robot.
+    // In two lines if one would cover the robot.
     let after = if rect.width() < 2.0 * WIDE {
         ":\n"
     } else {
@@ -180,7 +180,7 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     let words = painter.layout_no_wrap(size.clone(), font, palette.muted);
     let place = Rect::from_min_size(below, words.size());
     let mut pulleys = labels::pulleys(picture, rect).into_iter();
-    // Where the robot is small, or a pulley is there, only how much is said and not of what.
+    // In a low picture, or over a pulley, only the factor without its subject.
     if rect.height() < HIGH || pulleys.any(|pulley| pulley.intersects(place)) {
         size = short;
     }
@@ -188,12 +188,12 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     vec![first, second]
 }
 
-/// Directions of the base frame; gives where they are drawn.
+/// Draws the axes of the base frame; returns their rectangle.
 fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let centre = rect.left_bottom() + vec2(9.0 * GRID, -9.0 * GRID);
     let [right, up, forward] = picture.camera.axes();
     let mut axes = [0, 1, 2];
-    // Those that point away first: the nearer ones cover them.
+    // Axes pointing away first, so that nearer ones cover them.
     axes.sort_by(|a, b| forward[*b].total_cmp(&forward[*a]));
     for axis in axes {
         let tip = vec2(right[axis] as f32, -up[axis] as f32) * 22.0;
@@ -208,7 +208,7 @@ fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
     Rect::from_center_size(centre, Vec2::splat(64.0))
 }
 
-/// A length at the depth of the point that is orbited, and the distance of the floor's lines; gives where they are.
+/// Draws a scale bar at the depth of the target point, and the spacing of the floor's grid; returns their rectangle.
 fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let per_metre = picture.size[1] / picture.camera.height_m();
     let length = round_down(110.0 / per_metre);
@@ -229,7 +229,7 @@ fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         quiet(palette),
     );
     let drawn = number.union(Rect::from_two_pos(left, right));
-    // Legends stand at the other end.
+    // Legends are at the other end.
     if rect.width() < WIDE {
         return drawn;
     }
@@ -260,12 +260,12 @@ pub(super) mod tests {
 
     use super::*;
     use crate::views::robot_3d::camera::{Camera, StandardView};
-    use crate::views::robot_3d::scene::{MeasuredPose, MeasuredPoses, Scene, Subject};
+    use crate::views::robot_3d::scene::{MeasuredPose, MeasuredPoses, Scene, SceneInputs};
 
     /// MINI, identified, with a pose.
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
-        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         scene.besides = Besides::Drawing;
         let pose = MeasuredPose {
             label: 1,
@@ -276,7 +276,7 @@ pub(super) mod tests {
         scene
     }
 
-    /// What is drawn over a picture of this size (points).
+    /// Runs `draw` over a picture of this size (points).
     pub fn in_picture<T: Clone + Send + 'static>(
         [width, height]: [f32; 2],
         draw: impl Fn(&Painter, Rect, &Picture<'_>, &Palette) -> T + 'static,
@@ -285,7 +285,7 @@ pub(super) mod tests {
         let (seen, scene) = (Arc::clone(&drawn), scene());
         let show = move |ui: &mut egui::Ui| {
             if ui.ctx().cumulative_pass_nr() == 0 {
-                // Fonts are there from the next frame on.
+                // Fonts are available from the next frame on.
                 theme::install(ui.ctx());
                 return;
             }

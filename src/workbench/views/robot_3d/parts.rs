@@ -1,4 +1,4 @@
-//! Solid parts: shapes of unit size, and where they stand.
+//! Solid parts: shapes of unit size with their transformations.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -10,10 +10,10 @@ use three_d::{CpuMesh, Indices, Positions, Srgba};
 
 use super::scene::Wheel;
 
-/// Segments of round parts.
+/// Number of segments of round parts.
 const SEGMENTS: u32 = 36;
-/// Profile of a pulley: distance from the axis and along it, in radii. The rim ends just below the cable's centre
-/// line, so that the cable is seen to lie on it.
+/// Profile of a pulley: distance from the axis and position along it, in radii. The rim ends just below the cable's
+/// centre line, so that the cable is visible on it.
 const PROFILE: [[f64; 2]; 12] = [
     [0.96, -0.13],
     [0.96, 0.13],
@@ -29,21 +29,21 @@ const PROFILE: [[f64; 2]; 12] = [
     [0.80, -0.13],
 ];
 
-/// A shape of unit size.
+/// Shape of unit size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// From -1 to 1 along each axis.
     Cube,
     Sphere,
-    /// From its base, a unit circle across the first axis, to its tip at 1 along it.
+    /// From its base, a unit circle perpendicular to the first axis, to its tip at 1 along it.
     Cone,
-    /// Across the third axis.
+    /// Perpendicular to the third axis.
     Disc,
-    /// A pulley about the first axis.
+    /// Pulley about the first axis.
     Wheel,
 }
 
-/// The triangles of all shapes.
+/// Triangles of all shapes.
 static MESHES: LazyLock<[CpuMesh; Shape::ALL.len()]> = LazyLock::new(|| {
     [
         CpuMesh {
@@ -59,7 +59,7 @@ static MESHES: LazyLock<[CpuMesh; Shape::ALL.len()]> = LazyLock::new(|| {
 });
 
 impl Shape {
-    /// All, in the order of their numbers.
+    /// All shapes, in the order of their numbers.
     pub const ALL: [Self; 5] = [
         Self::Cube,
         Self::Sphere,
@@ -68,14 +68,14 @@ impl Shape {
         Self::Wheel,
     ];
 
-    /// Its triangles.
+    /// Triangles of the shape.
     #[must_use]
     pub fn mesh(self) -> &'static CpuMesh {
         &MESHES[self as usize]
     }
 }
 
-/// The profile turned about the first axis.
+/// Profile rotated about the first axis.
 fn wheel() -> CpuMesh {
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
     for (k, from) in PROFILE.iter().enumerate() {
@@ -97,17 +97,17 @@ fn wheel() -> CpuMesh {
     mesh
 }
 
-/// A shape where it stands.
+/// Solid part: a shape with its transformation and colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
+pub struct SolidPart {
     pub shape: Shape,
-    /// Takes the shape to its place (m).
+    /// Transformation of the unit shape to the base frame (m).
     pub base_from_shape: Matrix4<f64>,
     pub colour: Srgba,
 }
 
-/// A colour of a part. three-d takes it for sRGB and gives shaders what is linear: it is coded so that they get the colour
-/// itself, as those of lines and points do.
+/// Colour of a part for three-d, which converts sRGB to linear for the shaders: the inverse conversion makes it equal
+/// to the colours of lines and points.
 #[must_use]
 pub fn paint(colour: Color32, opacity: f32) -> Srgba {
     let coded = |c: u8| Rgba::from_rgb(f32::from(c) / 255.0, 0.0, 0.0).to_srgba_unmultiplied()[0];
@@ -116,14 +116,14 @@ pub fn paint(colour: Color32, opacity: f32) -> Srgba {
     Srgba::new(coded(r), coded(g), coded(b), opacity)
 }
 
-/// Two unit vectors that make a right-handed frame with `axis`.
+/// Two unit vectors that form a right-handed frame with `axis`.
 fn across(axis: &Vec3) -> [Vec3; 2] {
     let first = axis.cross(&Vec3::ith(axis.iamin(), 1.0)).normalize();
     [first, axis.cross(&first)]
 }
 
-impl Part {
-    /// A shape whose axes become `axes` (m), about `centre` (m).
+impl SolidPart {
+    /// Part whose shape has the axes `axes` (m) about `centre` (m).
     fn new(shape: Shape, axes: [Vec3; 3], centre: &Vec3, colour: Srgba) -> Self {
         let [x, y, z] = axes.map(|axis| axis.push(0.0));
         let base_from_shape = Matrix4::from_columns(&[x, y, z, centre.push(1.0)]);
@@ -134,7 +134,7 @@ impl Part {
         }
     }
 
-    /// The corners of its triangles (m).
+    /// Corners of its triangles (m).
     #[must_use]
     pub fn triangles(&self) -> Vec<[Vec3; 3]> {
         let mesh = self.shape.mesh();
@@ -150,7 +150,7 @@ impl Part {
         triangles
     }
 
-    /// A box; bit k of the index chooses the upper end along its axis k.
+    /// Box; bit k of the index selects the upper end along its axis k.
     #[must_use]
     pub fn cuboid(corners: &[Vec3; 8], colour: Srgba) -> Self {
         let axes = [1, 2, 4].map(|k| (corners[k] - corners[0]) / 2.0);
@@ -158,18 +158,18 @@ impl Part {
         Self::new(Shape::Cube, axes, &centre, colour)
     }
 
-    /// A member of square section between two points; `None` where they are one.
+    /// Beam of square section between two points; `None` if they coincide.
     #[must_use]
     pub fn beam([from, to]: [Vec3; 2], width_m: f64, colour: Srgba) -> Option<Self> {
         let axis = (to - from).try_normalize(0.0)?;
         let [x, y] = across(&axis).map(|v| v * (width_m / 2.0));
-        // Half a width longer: corners of the frame are closed.
+        // Longer by half a width, to close the corners of the frame.
         let half = (to - from + axis * width_m) / 2.0;
         let centre = (from + to) / 2.0;
         Some(Self::new(Shape::Cube, [x, y, half], &centre, colour))
     }
 
-    /// A pulley at its size.
+    /// Pulley to scale.
     #[must_use]
     pub fn wheel(wheel: &Wheel, colour: Srgba) -> Self {
         let [x, y] = across(&wheel.normal);
@@ -177,14 +177,14 @@ impl Part {
         Self::new(Shape::Wheel, axes, &wheel.centre, colour)
     }
 
-    /// The image of the unit sphere under `shape`, about `centre` (m).
+    /// Image of the unit sphere under `shape`, about `centre` (m).
     #[must_use]
     pub fn ellipsoid(centre: &Vec3, shape: &Matrix3<f64>, colour: Srgba) -> Self {
         let axes = std::array::from_fn(|k| shape.column(k).into_owned());
         Self::new(Shape::Sphere, axes, centre, colour)
     }
 
-    /// A cone with its tip at `tip`, opening against `direction` (unit vector), and its base.
+    /// Cone with its tip at `tip`, opening against `direction` (unit vector), and its base.
     #[must_use]
     pub fn cone(tip: &Vec3, direction: &Vec3, length_m: f64, colour: Srgba) -> [Self; 2] {
         let base = tip - direction * length_m;
@@ -197,7 +197,7 @@ impl Part {
         ]
     }
 
-    /// Sides of a disc.
+    /// Edges of a disc.
     pub fn rim(&self) -> impl Iterator<Item = [Vec3; 2]> + use<> {
         let triangles = self.triangles().into_iter();
         triangles.map(|[_, from, to]| [from, to])
@@ -250,7 +250,7 @@ mod tests {
             normal: Vec3::y(),
             radius_m: 0.2,
         };
-        let triangles = Part::wheel(&wheel, Srgba::WHITE).triangles();
+        let triangles = SolidPart::wheel(&wheel, Srgba::WHITE).triangles();
         let away = triangles.as_flattened().iter().map(|p| p - wheel.centre);
         let rim = away.map(|p| p.x.hypot(p.z)).fold(0.0, f64::max);
         assert!((rim - 0.96 * 0.2).abs() < 1e-6, "{rim}");

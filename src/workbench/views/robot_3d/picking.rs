@@ -1,57 +1,56 @@
-//! What is under the pointer.
+//! Picking: the object under the pointer.
 
 use tautline_core::geometry::Vec3;
 
 use super::camera::{Camera, Ray};
 use super::drawing::{Drawing, Options, cable_width, pose_size};
-use super::scene::{Placed, Scene, Wheel};
+use super::scene::{PlacedCable, Scene, Wheel};
 use super::surface;
 
-/// How far beside a thing the pointer may be (points of the screen).
+/// Largest distance of the pointer from an object (points of the screen).
 const TOLERANCE: f64 = 6.0;
 
-/// How far beside a pulley a double-click finds it (points of the screen).
+/// Largest distance of a double-click from a pulley (points of the screen).
 const NEAR_PULLEY: f64 = 24.0;
 
-/// An object that can be picked.
+/// Object that can be picked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Thing {
-    /// A cable, by its index.
+pub enum Pickable {
+    /// Cable, by its index.
     Cable(usize),
-    /// The pulley of a cable.
+    /// Pulley of a cable.
     Pulley(usize),
     Platform,
-    /// A measured pose, by its label.
+    /// Measured pose, by its label.
     Pose(i64),
     LaserSpot,
 }
 
-/// A picture of which the pointer is over a part.
+/// Scene, options and camera of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
     pub scene: &'a Scene,
-    /// What is drawn of it.
     pub options: &'a Options,
     pub camera: &'a Camera,
     /// Width and height (points of the screen).
     pub size: [f64; 2],
 }
 
-/// An object near the pointer.
+/// Object near the pointer.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
-    thing: Thing,
-    /// Distance to what is drawn (points of the screen); 0 if it is met.
+    thing: Pickable,
+    /// Distance to the drawn object (points of the screen); 0 if it is hit.
     beside: f64,
     depth_m: f64,
 }
 
-/// A point of the picture, in points of the screen, with its depth (m).
+/// Projected point, in points of the screen, with its depth (m).
 #[derive(Debug, Clone, Copy)]
 pub struct OnScreen {
-    /// From the left.
+    /// Distance from the left.
     pub x: f64,
-    /// From the top.
+    /// Distance from the top.
     pub y: f64,
     /// Distance along the direction of view (m).
     pub depth_m: f64,
@@ -62,7 +61,7 @@ impl Picture<'_> {
         self.size[0] / self.size[1]
     }
 
-    /// Where `point` (m) is seen; `None` behind the eye.
+    /// Projection of `point` (m); `None` behind the eye.
     #[must_use]
     pub fn on_screen(&self, point: &Vec3) -> Option<OnScreen> {
         let seen = self.camera.project(point, self.aspect())?;
@@ -79,14 +78,14 @@ impl Picture<'_> {
         self.size[1] / self.camera.height_at(depth_m)
     }
 
-    /// Where a cable and its pulleys are drawn.
+    /// Cable and its pulleys as drawn.
     #[must_use]
-    pub fn placed(&self, cable: usize) -> Placed {
+    pub fn placed(&self, cable: usize) -> PlacedCable {
         let magnification = self.options.exaggeration_of(self.scene);
         self.scene.placed(cable, magnification)
     }
 
-    /// The nearest of what is drawn at `(x, y)` (m); `drawing` is that of the scene.
+    /// Nearest point of the drawing at `(x, y)` (m).
     #[must_use]
     pub fn met(&self, drawing: &Drawing, x: f64, y: f64) -> Option<Vec3> {
         let at = (x / self.size[0], y / self.size[1]);
@@ -99,15 +98,15 @@ impl Picture<'_> {
         Some(ray.origin + ray.direction * nearest)
     }
 
-    /// What is at `(x, y)`: the nearest to the eye of what is met there, else what is closest beside.
+    /// Object at `(x, y)`: of the objects hit the nearest to the eye, otherwise the closest beside.
     #[must_use]
-    pub fn pick(&self, x: f64, y: f64) -> Option<Thing> {
+    pub fn pick(&self, x: f64, y: f64) -> Option<Pickable> {
         self.nearest(x, y).map(|hit| hit.thing)
     }
 
-    /// The pulley at `(x, y)`, else the one closest beside.
+    /// Pulley at `(x, y)`, otherwise the closest beside.
     pub(crate) fn pulley_near(&self, x: f64, y: f64) -> Option<usize> {
-        if let Some(Thing::Pulley(index)) = self.pick(x, y) {
+        if let Some(Pickable::Pulley(index)) = self.pick(x, y) {
             return Some(index);
         }
         let beside = |index| {
@@ -144,7 +143,7 @@ impl Picture<'_> {
             hits.extend(self.pick_poses([x, y]));
         }
         let spot = self.scene.laser.and_then(|laser| laser.spot);
-        hits.extend(spot.and_then(|spot| self.pick_point(&spot, 3.5, Thing::LaserSpot, [x, y])));
+        hits.extend(spot.and_then(|spot| self.pick_point(&spot, 3.5, Pickable::LaserSpot, [x, y])));
         let order = |a: &Hit, b: &Hit| {
             let beside = a.beside.total_cmp(&b.beside);
             beside.then(a.depth_m.total_cmp(&b.depth_m))
@@ -162,7 +161,7 @@ impl Picture<'_> {
         let platform = &self.scene.platform;
         if let Some(distance) = ray_box(&local, &platform.low, &platform.high) {
             hits.push(Hit {
-                thing: Thing::Platform,
+                thing: Pickable::Platform,
                 beside: 0.0,
                 depth_m: distance * ray.direction.dot(forward),
             });
@@ -177,20 +176,20 @@ impl Picture<'_> {
         forward: &Vec3,
         at: [f64; 2],
     ) -> Option<Hit> {
-        // The disc through its middle, or the sphere of its thickness where it is seen from the edge.
+        // The disc through its centre, or the sphere of its thickness if seen edge-on.
         let away = wheel.centre - ray.origin;
         let distance = away.dot(&wheel.normal) / ray.direction.dot(&wheel.normal);
         let met = ray.origin + ray.direction * distance;
         if distance > 0.0 && (met - wheel.centre).norm() <= 0.96 * wheel.radius_m {
             return Some(Hit {
-                thing: Thing::Pulley(index),
+                thing: Pickable::Pulley(index),
                 beside: 0.0,
                 depth_m: distance * ray.direction.dot(forward),
             });
         }
         let depth = away.dot(forward);
         let radius = (0.13 * wheel.radius_m * self.scale_at(depth)).max(4.5);
-        self.pick_point(&wheel.centre, radius, Thing::Pulley(index), at)
+        self.pick_point(&wheel.centre, radius, Pickable::Pulley(index), at)
     }
 
     fn pick_path(&self, path: &[Vec3], index: usize, [x, y]: [f64; 2]) -> Option<Hit> {
@@ -203,7 +202,7 @@ impl Picture<'_> {
         let (distance, depth_m) = pieces.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let beside = (distance - half).max(0.0);
         (beside <= TOLERANCE).then_some(Hit {
-            thing: Thing::Cable(index),
+            thing: Pickable::Cable(index),
             beside,
             depth_m,
         })
@@ -213,7 +212,7 @@ impl Picture<'_> {
         let poses = &self.scene.measured;
         let radius = f64::from(pose_size(poses.len())) / 2.0;
         let hits = poses.iter().filter_map(|pose| {
-            self.pick_point(&pose.position, radius, Thing::Pose(pose.label), at)
+            self.pick_point(&pose.position, radius, Pickable::Pose(pose.label), at)
         });
         hits.min_by(|a, b| {
             let beside = a.beside.total_cmp(&b.beside);
@@ -221,7 +220,13 @@ impl Picture<'_> {
         })
     }
 
-    fn pick_point(&self, point: &Vec3, radius: f64, thing: Thing, [x, y]: [f64; 2]) -> Option<Hit> {
+    fn pick_point(
+        &self,
+        point: &Vec3,
+        radius: f64,
+        thing: Pickable,
+        [x, y]: [f64; 2],
+    ) -> Option<Hit> {
         let seen = self.on_screen(point)?;
         let beside = ((seen.x - x).hypot(seen.y - y) - radius).max(0.0);
         (beside <= TOLERANCE).then_some(Hit {
@@ -232,7 +237,7 @@ impl Picture<'_> {
     }
 }
 
-/// Distance of `(x, y)` from the piece between two points, and the depth there (m).
+/// Distance of `(x, y)` from the segment between two points, and the depth there (m).
 fn closest(from: &OnScreen, to: &OnScreen, x: f64, y: f64) -> (f64, f64) {
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     let square = dx * dx + dy * dy;
@@ -242,12 +247,12 @@ fn closest(from: &OnScreen, to: &OnScreen, x: f64, y: f64) -> (f64, f64) {
         0.0
     };
     let distance = (from.x + share * dx - x).hypot(from.y + share * dy - y);
-    // Along a line, the reciprocal of the depth is what changes evenly in the picture.
+    // Along a line, the reciprocal of the depth is linear in the picture.
     let inverse = (1.0 - share) / from.depth_m + share / to.depth_m;
     (distance, 1.0 / inverse)
 }
 
-/// Distance along the ray at which it enters the box (m).
+/// Distance along the ray to its entry into the box (m).
 fn ray_box(ray: &Ray, low: &Vec3, high: &Vec3) -> Option<f64> {
     let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
     for axis in 0..3 {
@@ -267,11 +272,11 @@ mod tests {
 
     use super::*;
     use crate::views::robot_3d::camera::StandardView;
-    use crate::views::robot_3d::scene::Subject;
+    use crate::views::robot_3d::scene::SceneInputs;
 
     fn with_picture(name: &str, check: impl Fn(&Picture<'_>)) {
         let robot = presets::find(name).unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let size = [900.0, 600.0];
         let options = Options::default();
         for view in StandardView::ALL {
@@ -294,20 +299,21 @@ mod tests {
                     let ends = &cable.path[cable.path.len() - 2..];
                     let middle = picture.on_screen(&ends[0].lerp(&ends[1], 0.5)).unwrap();
                     let thing = picture.pick(middle.x, middle.y).unwrap();
-                    if thing == Thing::Cable(index) {
+                    if thing == Pickable::Cable(index) {
                         continue;
                     }
-                    // In views along an axis cables cover each other; what is picked must be drawn there, too.
+                    // In views along an axis, cables cover each other; the picked one must be drawn at this position,
+                    // too.
                     let covers = match thing {
-                        Thing::Cable(other) => picture
+                        Pickable::Cable(other) => picture
                             .pick_path(
                                 &picture.scene.cables[other].path,
                                 other,
                                 [middle.x, middle.y],
                             )
                             .is_some_and(|hit| hit.beside == 0.0),
-                        Thing::Platform | Thing::LaserSpot | Thing::Pulley(_) => true,
-                        Thing::Pose(_) => false,
+                        Pickable::Platform | Pickable::LaserSpot | Pickable::Pulley(_) => true,
+                        Pickable::Pose(_) => false,
                     };
                     assert!(covers, "{name}: {thing:?} instead of {index}");
                 }
@@ -318,7 +324,7 @@ mod tests {
     #[test]
     fn pulleys_are_picked_and_empty_space_is_not() {
         let robot = presets::find("mini").unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let camera = Camera::new(
             scene.directions,
             StandardView::Isometric,
@@ -333,10 +339,10 @@ mod tests {
         };
         for (index, cable) in scene.cables.iter().enumerate() {
             let seen = picture.on_screen(&cable.wheel.centre).unwrap();
-            assert_eq!(picture.pick(seen.x, seen.y), Some(Thing::Pulley(index)));
+            assert_eq!(picture.pick(seen.x, seen.y), Some(Pickable::Pulley(index)));
         }
         let middle = picture.on_screen(&scene.pose.position).unwrap();
-        assert_eq!(picture.pick(middle.x, middle.y), Some(Thing::Platform));
+        assert_eq!(picture.pick(middle.x, middle.y), Some(Pickable::Platform));
         assert_eq!(picture.pick(5.0, 5.0), None);
         assert_eq!(picture.pulley_near(5.0, 5.0), None);
     }

@@ -1,25 +1,25 @@
-//! The 3D view as a picture for the clipboard or a file, with everything that is written over it.
+//! Export of the 3D view with its annotations, to the clipboard or a file.
 
 use std::sync::Arc;
 
 use egui::mutex::Mutex;
 use egui::{ColorImage, Context, Pos2, Rect, vec2};
 
-/// Where a picture goes.
+/// Destination of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
     Clipboard,
     File,
 }
 
-/// The picture that was asked for, once it has come.
+/// Requested picture, once received.
 #[derive(Default)]
 pub(super) struct PictureRequest {
     received: Arc<Mutex<Option<(Target, ColorImage)>>>,
 }
 
 impl PictureRequest {
-    /// Asks for the picture in `rect`; it is taken after this frame, when the menu is closed.
+    /// Requests the picture in `rect`; it is taken after this frame, when the menu is closed.
     pub(super) fn send(&self, context: &Context, rect: Rect, target: Target) {
         let (received, repainted) = (Arc::clone(&self.received), context.clone());
         context.request_screenshot(move |window| {
@@ -33,7 +33,7 @@ impl PictureRequest {
         context.request_repaint();
     }
 
-    /// Copies a picture that has come, or gives it if it is to be saved.
+    /// Copies a received picture to the clipboard, or returns it to be saved.
     pub(super) fn receive(&self, context: &Context) -> Option<Arc<ColorImage>> {
         let (target, picture) = self.received.lock().take()?;
         if target == Target::File {

@@ -1,12 +1,12 @@
-//! The nearest surface that a line of sight meets, of what is drawn.
+//! Nearest surface of a drawing along a line of sight.
 
 use tautline_core::geometry::Vec3;
 
 use super::camera::Ray;
 use super::drawing::Drawing;
-use super::parts::Part;
+use super::parts::SolidPart;
 
-/// Where a line of sight meets what is drawn first (m), solid or to look through.
+/// First intersection of a line of sight with the drawing (m), including translucent parts.
 #[must_use]
 pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
     let parts = drawing.solids.iter().chain(&drawing.glass);
@@ -15,8 +15,8 @@ pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
     Some(ray.origin + ray.direction * nearest)
 }
 
-/// Distance along a line of sight to the first of the triangles of a part that it meets (m).
-fn distance(part: &Part, ray: &Ray) -> Option<f64> {
+/// Distance along a line of sight to the first triangle of a part (m).
+fn distance(part: &SolidPart, ray: &Ray) -> Option<f64> {
     let triangles = part.triangles().into_iter();
     let met = triangles.filter_map(|corners| triangle(ray, corners));
     met.min_by(f64::total_cmp)
@@ -54,7 +54,7 @@ mod tests {
                 }
             })
         };
-        let part = Part::cuboid(&std::array::from_fn(corner), Srgba::WHITE);
+        let part = SolidPart::cuboid(&std::array::from_fn(corner), Srgba::WHITE);
         for (origin, direction, expected) in [
             ([-5.0, 0.3, 0.2], [1.0, 0.0, 0.0], Some(4.0)),
             ([5.0, 0.3, 0.2], [-1.0, 0.0, 0.0], Some(4.0)),

@@ -1,4 +1,4 @@
-//! The row above the picture.
+//! Toolbar above the picture.
 
 use egui::{Slider, Ui, WidgetInfo};
 use egui_material_icons::icons;
@@ -11,46 +11,46 @@ use crate::widgets::{checkbox, icon_only, muted};
 /// Width of the slider with its number (points).
 const EXAGGERATION: f32 = 240.0;
 
-/// A camera movement that was requested.
+/// Requested camera movement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Aim {
+pub enum CameraRequest {
     /// Show everything.
     All,
-    /// Inspect the pulley that is selected, or show everything.
+    /// Inspect the selected pulley, or show everything.
     Selected,
-    /// Show what is selected among what is around it.
+    /// Frame the selection with its surroundings.
     Frame,
-    /// Show depth in this way.
+    /// Set the projection.
     Project(Projection),
     /// Turn to a standard view and show everything.
     To(StandardView),
 }
 
-/// Width (points) from which on everything is in the row.
+/// Width (points) at which everything fits in the toolbar.
 const WIDE: f32 = 900.0;
-/// Width (points) from which on colours stand beside each other.
+/// Width (points) at which the colours are side by side.
 const MEDIUM: f32 = 800.0;
-/// Width (points) from which on the standard views do, too.
+/// Width (points) at which the standard views are side by side.
 const NARROW: f32 = 460.0;
 
-/// Draws the row: how depth shows now, whether something is selected, and whether the view can be maximised.
+/// Draws the toolbar for the present projection; `can_frame` enables framing, `maximise` adds its button.
 pub fn show(
     ui: &mut Ui,
     options: &mut Options,
     scene: &Scene,
     (projection, can_frame, maximise): (Projection, bool, Option<&mut bool>),
-) -> Option<Aim> {
+) -> Option<CameraRequest> {
     let besides = scene.besides;
     let mut aim = None;
     let width = ui.available_width();
     let is_wide = width > WIDE;
     ui.horizontal_wrapped(|ui| {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit view (Home)", true).clicked() {
-            aim = Some(Aim::All);
+            aim = Some(CameraRequest::All);
         }
         let near = "Frame selection (Shift+F)";
         if icon_only(ui, icons::ICON_CENTER_FOCUS_STRONG, near, can_frame).clicked() {
-            aim = Some(Aim::Frame);
+            aim = Some(CameraRequest::Frame);
         }
         if let Some(maximise) = maximise {
             let name = "Maximise the 3D view";
@@ -86,8 +86,8 @@ pub fn show(
     aim
 }
 
-/// The standard views and how depth shows; gives what was asked for.
-fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
+/// Standard views and projection; returns a requested camera movement.
+fn views(ui: &mut Ui, projection: Projection) -> Option<CameraRequest> {
     let mut aim = None;
     for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
         let button = egui::Button::new(view.title()).frame_when_inactive(false);
@@ -97,7 +97,7 @@ fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
         };
         let hint = format!("{} view{scale}, key {key}", view.title());
         if ui.add(button).on_hover_text(hint).clicked() {
-            aim = Some(Aim::To(view));
+            aim = Some(CameraRequest::To(view));
         }
     }
     let other = projection.other();
@@ -107,7 +107,7 @@ fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &name));
     let hint = format!("Switch to {} projection", other.title().to_lowercase());
     if response.on_hover_text(hint).clicked() {
-        aim = Some(Aim::Project(other));
+        aim = Some(CameraRequest::Project(other));
     }
     aim
 }
@@ -185,7 +185,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
 }
 
 fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
-    // A slider does not go to the next row by itself.
+    // A slider does not wrap to the next row by itself.
     if ui.available_size_before_wrap().x < EXAGGERATION {
         ui.end_row();
     }

@@ -1,23 +1,23 @@
 //! Tooltips of the 3D view.
 
-use super::picking::Thing;
-use super::scene::{Besides, Residual, Scene, Shown, SideNames};
+use super::picking::Pickable;
+use super::scene::{Besides, Residual, Scene, ShownPose, SideNames};
 use tautline_core::geometry::Vec3;
 use tautline_workflow::wording::units::{mm, signed};
 
 /// Tooltip of an object.
 #[must_use]
-pub fn describe(scene: &Scene, thing: Thing) -> String {
+pub fn describe(scene: &Scene, thing: Pickable) -> String {
     match thing {
-        Thing::Cable(index) => cable(scene, index),
-        Thing::Pulley(index) => pulley(scene, index),
-        Thing::Platform => platform(scene),
-        Thing::Pose(label) => pose(scene, label),
-        Thing::LaserSpot => laser(scene),
+        Pickable::Cable(index) => cable(scene, index),
+        Pickable::Pulley(index) => pulley(scene, index),
+        Pickable::Platform => platform(scene),
+        Pickable::Pose(label) => pose(scene, label),
+        Pickable::LaserSpot => laser(scene),
     }
 }
 
-/// Which pose is shown.
+/// Name of the shown pose.
 #[must_use]
 pub fn shown(scene: &Scene) -> String {
     let shown = pose_shown(scene);
@@ -31,12 +31,12 @@ pub fn shown(scene: &Scene) -> String {
 
 fn pose_shown(scene: &Scene) -> String {
     match scene.shown {
-        Shown::Home => "Home pose".to_owned(),
-        Shown::Fitted(0) => "Home pose, identified".to_owned(),
-        Shown::Fitted(label) => format!("Pose {label}, identified"),
-        Shown::Given(label) => format!("Pose {label}, commanded"),
-        Shown::Live => "Current pose".to_owned(),
-        Shown::Stopped => "Stopped here".to_owned(),
+        ShownPose::Home => "Home pose".to_owned(),
+        ShownPose::Fitted(0) => "Home pose, identified".to_owned(),
+        ShownPose::Fitted(label) => format!("Pose {label}, identified"),
+        ShownPose::Given(label) => format!("Pose {label}, commanded"),
+        ShownPose::Live => "Current pose".to_owned(),
+        ShownPose::Stopped => "Stopped here".to_owned(),
     }
 }
 
@@ -89,7 +89,7 @@ fn pulley(scene: &Scene, index: usize) -> String {
     text
 }
 
-/// Coordinates of a place, in millimetres.
+/// Coordinates of a position, in millimetres.
 fn place(at: &Vec3) -> String {
     let [x, y, z] = <[f64; 3]>::from(*at).map(|metres| mm(metres, 1));
     format!("({x}, {y}, {z}) mm")
@@ -131,7 +131,7 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::views::robot_3d::scene::Subject;
+    use crate::views::robot_3d::scene::SceneInputs;
 
     #[test]
     fn a_cable_says_what_and_how_much() {
@@ -143,16 +143,16 @@ mod tests {
             force_n,
             ..Measurements::default()
         };
-        let mut scene = Subject::new(&robot, &data).scene();
+        let mut scene = SceneInputs::new(&robot, &data).scene();
         scene.cables[2].residual = Some(Residual::One(2.06));
         scene.cables[2].free_m = Some(1.20337);
         assert_eq!(
-            describe(&scene, Thing::Cable(2)),
+            describe(&scene, Pickable::Cable(2)),
             "Cable 3: free length 1.2034 m, 41.3 N, residual +2.1 standard deviations"
         );
-        assert_eq!(describe(&scene, Thing::Cable(99)), "");
+        assert_eq!(describe(&scene, Pickable::Cable(99)), "");
         assert_eq!(
-            describe(&scene, Thing::LaserSpot),
+            describe(&scene, Pickable::LaserSpot),
             "Laser: 0.4450 m to its target"
         );
     }

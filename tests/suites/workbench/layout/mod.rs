@@ -12,7 +12,7 @@ use tautline_workbench::model::command::{
     CompareCommand, FileCommand, IdentificationCommand, RecordingCommand, ViewCommand,
 };
 use tautline_workbench::model::edit::Edit;
-use tautline_workbench::model::part::Part;
+use tautline_workbench::model::part::ScreenPart;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 use tautline_workflow::templates::Template;
@@ -168,16 +168,16 @@ fn the_inspector_and_the_statistics_fit() {
     give(&mut harness, ViewCommand::Inspect(Some(2)));
     check(&mut harness, "inspector");
     give(&mut harness, ViewCommand::Inspect(None));
-    for part in Part::ALL {
+    for part in ScreenPart::ALL {
         give(&mut harness, ViewCommand::Maximise(Some(part)));
-        if part == Part::Plots {
+        if part == ScreenPart::Plots {
             harness.set_pixels_per_point(1.0);
             harness.set_size(SIZES[2]);
             harness.run_ok();
             crate::measured::press(&mut harness, "Statistics");
         }
         check(&mut harness, &format!("{part:?} maximised"));
-        if part == Part::Plots {
+        if part == ScreenPart::Plots {
             crate::measured::press(&mut harness, "Statistics of: Readings");
             crate::measured::press(&mut harness, "Values");
             harness.key_press(egui::Key::Escape);

@@ -1,4 +1,4 @@
-//! All cables in one editable table; more cables and fewer.
+//! Editable table of all cables, and their number.
 
 use egui::{Align, Color32, Event, Grid, Label, Layout, RichText, ScrollArea, Ui, Vec2};
 use egui_material_icons::icons;
@@ -15,10 +15,10 @@ use crate::widgets::{Entered, Number, icon_button, muted, number, section, width
 const ROW: f32 = 6.5 * GRID;
 const LEAST_WIDTH: f32 = 12.0 * GRID;
 
-/// The cell with the keyboard focus, by row and column.
+/// Cell with the keyboard focus, by row and column.
 pub(crate) type FocusedCell = Option<(usize, usize)>;
 
-/// A changed table with the name of the change, or the reason why it is none.
+/// Changed table with the name of the change, or an error message.
 pub(crate) type Edited = Result<(CableTable, String), String>;
 
 pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell) {
@@ -48,7 +48,7 @@ pub(crate) fn hints(ui: &mut Ui) {
     );
 }
 
-/// Draws the table; the names stay where they are while the numbers scroll. `may_lack`: whether required numbers may be empty.
+/// Draws the table, with a fixed column of names. `may_lack` allows required numbers to be empty.
 pub(crate) fn grid(
     ui: &mut Ui,
     table: &CableTable,
@@ -82,7 +82,7 @@ pub(crate) fn grid(
                     right = edges;
                     edited = edited.take().or(cells);
                 });
-            // The bar does not cover the last row.
+            // Keeps the scroll bar off the last row.
             ui.add_space(3.0 * GRID);
         });
         let offset = scrolled.state.clamped_offset().x;
@@ -104,11 +104,11 @@ pub(crate) fn grid(
     edited
 }
 
-/// Part of the numbers that is seen (points): whole columns, once scrolling has come to rest.
+/// Visible part of the numbers (points): whole columns, once scrolling has stopped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ShownColumns {
     offset: f32,
-    /// Offset when scrolling was last at rest.
+    /// Offset when scrolling stopped last.
     origin: f32,
     width: f32,
     /// Offset of the next frame.
@@ -116,7 +116,8 @@ struct ShownColumns {
 }
 
 impl ShownColumns {
-    /// The column at which scrolling arrives, in its direction, and those beside it that fit; `right`: right edges of all.
+    /// Visible part after scrolling: the next column in the direction of scrolling and those that fit beside it.
+    /// `right` has the right edges of all columns.
     fn at_rest(offset: f32, before: Option<Self>, available: f32, right: &[f32]) -> Self {
         let origin = before.map_or(0.0, |before| before.origin);
         let left = std::iter::once(0.0).chain(right.iter().map(|edge| edge + GRID));
@@ -170,7 +171,7 @@ fn head(ui: &mut Ui, title: &str, unit: &str) {
     ui.add(Label::new(text).extend().halign(Align::RIGHT));
 }
 
-/// Draws heads and numbers; returns an edit and the right ends of the columns.
+/// Draws headings and numbers; returns an edit and the right edges of the columns.
 fn numbers(
     ui: &mut Ui,
     table: &CableTable,
@@ -222,7 +223,7 @@ fn numbers(
     (edited, edges)
 }
 
-/// Width of the cells of a column (points), which hold its longest number.
+/// Width of the cells of a column (points), for its longest number.
 fn width(ui: &Ui, table: &CableTable, column: usize) -> f32 {
     let values = table.cells.iter().filter_map(|row| row[column]);
     let texts = values.map(|value| fixed(value, COLUMNS[column].decimals));
@@ -231,7 +232,7 @@ fn width(ui: &Ui, table: &CableTable, column: usize) -> f32 {
         .fold(LEAST_WIDTH, f32::max)
 }
 
-/// A cell of a column: what was entered, and whether it has the focus.
+/// Draws a cell; returns its input and whether it has the focus.
 fn cell(
     ui: &mut Ui,
     name: &str,
@@ -256,7 +257,7 @@ fn cell(
     (entered, ui.memory(|m| m.has_focus(field.text_id(ui))))
 }
 
-/// Takes a block of cells from the clipboard before the text field of the focused cell gets it.
+/// Handles a pasted block of cells before the text field of the focused cell receives it.
 fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> Option<Edited> {
     let mut pasted = None;
     ui.input_mut(|input| {
@@ -273,7 +274,7 @@ fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> O
     Some(done.map(|cells| (table, format!("paste {}", count(cells, "cell")))))
 }
 
-/// More cables, or fewer, as long as nothing was measured.
+/// Buttons to add and remove cables, as long as nothing was measured.
 fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
     let count = bench.robot().cable_count();
     let chosen = bench.selection.cable.filter(|cable| *cable < count);
@@ -284,7 +285,7 @@ fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
             change(bench, "add a cable", |robot| {
                 let mut cable = robot.cables[chosen].clone();
                 cable.name = format!("cable-{}", robot.cables.len() + 1);
-                // Beside the one that it is like, so that both can be seen.
+                // Moved from the cable it copies, so that both are visible.
                 cable.pulley.entry_point_m[0] += 0.1;
                 robot.cables.push(cable);
             });
@@ -299,7 +300,7 @@ fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
     if !is_free {
         muted(
             ui,
-            "The session has measured poses: the number of cables is theirs.",
+            "The session has measured poses: the number of cables is fixed.",
         );
     }
 }

@@ -1,10 +1,10 @@
-//! The platform and the home pose.
+//! Platform and home pose.
 
 use egui::Ui;
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{Home, Robot};
 
-use super::field::{Field, change, grid, of_part, one, optional, three};
+use super::field::{NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{checkbox, muted, section};
 
@@ -16,7 +16,7 @@ pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
         optional(
             ui,
             bench,
-            &Field::new("Mass", "kg", 3),
+            &NumberField::new("Mass", "kg", 3),
             mass,
             |robot, value| {
                 robot.platform.mass_kg = value;
@@ -25,7 +25,7 @@ pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
         three(
             ui,
             bench,
-            &Field::millimetres("Centre of mass", 1),
+            &NumberField::millimetres("Centre of mass", 1),
             platform.center_of_mass_m,
             |robot, value| robot.platform.center_of_mass_m = value,
         );
@@ -65,17 +65,17 @@ pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
     };
     let part: fn(&mut Robot) -> Option<&mut Home> = |robot| robot.home.as_mut();
     grid(ui, "fields of the home pose", |ui| {
-        let field = Field::millimetres("Position", 1);
+        let field = NumberField::millimetres("Position", 1);
         let set = of_part(part, |home, value| home.position_m = value);
         three(ui, bench, &field, home.position_m, set);
-        let field = Field::millimetres("Position known to", 3);
+        let field = NumberField::millimetres("Position known to", 3);
         let set = of_part(part, |home, value| {
             (home.position_sd_m, home.covariance) = (value, None);
         });
         one(ui, bench, &field, home.position_sd_m, set);
-        let field = Field {
+        let field = NumberField {
             per_si: 1f64.to_degrees(),
-            ..Field::new("Orientation known to", "°", 4)
+            ..NumberField::new("Orientation known to", "°", 4)
         };
         let set = of_part(part, |home, value| {
             (home.orientation_sd_rad, home.covariance) = (value, None);
@@ -84,7 +84,7 @@ pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
 }
 
-/// A home pose in the middle of the pulleys.
+/// Home pose in the middle of the pulleys.
 fn default_home(robot: &Robot) -> Home {
     let count = robot.cables.len().max(1) as f64;
     let mean = |axis: usize| {

@@ -1,4 +1,4 @@
-//! Fields of the description, each checked with the whole robot while it is typed.
+//! Fields of the description; the whole robot is checked while typing.
 
 use egui::{Grid, Ui};
 use tautline_core::robot::Robot;
@@ -12,19 +12,19 @@ use crate::widgets::{Entered, Number, number_checked};
 const WIDTH: f32 = 84.0;
 const OF_THREE: f32 = 62.0;
 
-/// A number of the description.
-pub struct Field<'a> {
+/// Number of the description.
+pub struct NumberField<'a> {
     pub name: &'a str,
-    /// Unit that the operator reads and types.
+    /// Display unit.
     pub unit: &'a str,
-    /// This many of that unit are one SI unit.
+    /// Display units per SI unit.
     pub per_si: f64,
-    /// Decimals that are shown.
+    /// Number of decimals.
     pub decimals: usize,
 }
 
-impl<'a> Field<'a> {
-    /// A length in millimetres.
+impl<'a> NumberField<'a> {
+    /// Length in millimetres.
     pub const fn millimetres(name: &'a str, decimals: usize) -> Self {
         Self {
             per_si: 1e3,
@@ -32,7 +32,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// A number in an SI unit.
+    /// Number in an SI unit.
     pub const fn new(name: &'a str, unit: &'a str, decimals: usize) -> Self {
         Self {
             name,
@@ -43,8 +43,8 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A number that every cable, or part of a cable, has: field, value, and how it is set.
-pub type OfEvery<'a, T> = (Field<'a>, f64, fn(&mut T, f64));
+/// Number of every cable or part of a cable: field, value, setter.
+pub type CommonNumber<'a, T> = (NumberField<'a>, f64, fn(&mut T, f64));
 
 pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name)
@@ -53,11 +53,11 @@ pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
         .show(ui, add);
 }
 
-/// A line of a grid with one number. An empty field is `None`, where that is possible.
+/// Grid row with one optional number; `None` if empty.
 pub fn optional(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    field: &Field<'_>,
+    field: &NumberField<'_>,
     (value, is_optional): (Option<f64>, bool),
     set: impl Fn(&mut Robot, Option<f64>),
 ) {
@@ -74,11 +74,11 @@ pub fn optional(
     ui.end_row();
 }
 
-/// A line of a grid with one number.
+/// Grid row with one number.
 pub fn one(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    field: &Field<'_>,
+    field: &NumberField<'_>,
     value: f64,
     set: impl Fn(&mut Robot, f64),
 ) {
@@ -87,11 +87,11 @@ pub fn one(
     });
 }
 
-/// A line of a grid with x, y and z.
+/// Grid row with x, y and z.
 pub fn three(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    field: &Field<'_>,
+    field: &NumberField<'_>,
     value: [f64; 3],
     set: impl Fn(&mut Robot, [f64; 3]),
 ) {
@@ -100,8 +100,8 @@ pub fn three(
         ui.spacing_mut().item_spacing.x = GRID;
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let name = format!("{} {axis}", field.name);
-            // The unit stands once, behind the last one.
-            let of_axis = Field {
+            // The unit is shown once, after the last field.
+            let of_axis = NumberField {
                 unit: if k == 2 { field.unit } else { "" },
                 ..*field
             };
@@ -125,7 +125,7 @@ pub fn three(
 fn cell(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    (field, name, width): (&Field<'_>, &str, f32),
+    (field, name, width): (&NumberField<'_>, &str, f32),
     (value, is_optional): (Option<f64>, bool),
     set: &dyn Fn(&mut Robot, Option<f64>),
 ) {
@@ -160,7 +160,7 @@ fn cell(
     );
 }
 
-/// Puts a changed robot into the session, or refuses an invalid one.
+/// Replaces the robot of the session, or rejects an invalid one.
 pub fn put(bench: &mut Bench<'_>, robot: Robot, what: &str) {
     match robot.check() {
         Ok(()) if robot == *bench.robot() => {}
@@ -172,14 +172,14 @@ pub fn put(bench: &mut Bench<'_>, robot: Robot, what: &str) {
     }
 }
 
-/// Changes the robot, if it stays one.
+/// Changes the robot, unless it becomes invalid.
 pub fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Robot)) {
     let mut robot = bench.robot().clone();
     change(&mut robot);
     put(bench, robot, what);
 }
 
-/// Changes a part that the robot may lack.
+/// Changes an optional part of the robot.
 pub fn of_part<P, T>(
     part: fn(&mut Robot) -> Option<&mut P>,
     set: impl Fn(&mut P, T),

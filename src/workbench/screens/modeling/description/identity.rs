@@ -10,7 +10,7 @@ use crate::widgets::section;
 /// Width of a text field (points).
 const WIDTH: f32 = 240.0;
 
-/// What is being typed, until the field is left.
+/// Text being typed, until the field is left.
 #[derive(Debug, Default)]
 pub struct Drafts {
     name: Option<String>,
@@ -39,7 +39,7 @@ pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, drafts: &mut Drafts) {
     });
 }
 
-/// A line with a text, which changes the robot when its field is left.
+/// Row with a text that changes the robot when its field is left.
 fn text(
     ui: &mut Ui,
     bench: &mut Bench<'_>,

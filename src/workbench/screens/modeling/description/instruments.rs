@@ -1,11 +1,11 @@
-//! The instruments: force sensors, laser, inclinometer, external instrument.
+//! Instruments: force sensors, laser, inclinometer, external instrument.
 
 use egui::Ui;
 use tautline_core::robot::{
     ForceSensor, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker,
 };
 
-use super::field::{Field, OfEvery, change, grid, of_part, one, optional, three};
+use super::field::{CommonNumber, NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{checkbox, section};
 
@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     tracker(ui, bench);
 }
 
-/// A check box for an instrument of the robot.
+/// Check box for an instrument of the robot.
 fn has(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
@@ -54,14 +54,14 @@ fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(sensor) = sensor else {
         return;
     };
-    let fields: [OfEvery<'_, ForceSensor>; 2] = [
+    let fields: [CommonNumber<'_, ForceSensor>; 2] = [
         (
-            Field::new("Reading per tension", "", 4),
+            NumberField::new("Reading per tension", "", 4),
             sensor.tension_gain,
             |sensor, value| sensor.tension_gain = value,
         ),
         (
-            Field::new("Noise of a tension", "N", 2),
+            NumberField::new("Noise of a tension", "N", 2),
             sensor.tension_sd_n,
             |sensor, value| sensor.tension_sd_n = value,
         ),
@@ -88,23 +88,23 @@ fn laser(ui: &mut Ui, bench: &mut Bench<'_>) {
     };
     let part: fn(&mut Robot) -> Option<&mut Laser> = |robot| robot.laser.as_mut();
     grid(ui, "fields of the laser", |ui| {
-        let field = Field::millimetres("Origin of the beam", 1);
+        let field = NumberField::millimetres("Origin of the beam", 1);
         let set = of_part(part, |laser, value| laser.origin_m = value);
         three(ui, bench, &field, laser.origin_m, set);
-        let field = Field::millimetres("Noise of a distance", 3);
+        let field = NumberField::millimetres("Noise of a distance", 3);
         let set = of_part(part, |laser, value| laser.sd_m = value);
         one(ui, bench, &field, laser.sd_m, set);
         let plane = laser.target_plane;
-        let field = Field::millimetres("Target plane at", 1);
+        let field = NumberField::millimetres("Target plane at", 1);
         let set = of_part(part, |laser, value| laser.target_plane.offset_m = value);
         one(ui, bench, &field, plane.offset_m, set);
-        let field = Field::millimetres("Plane known to", 1);
+        let field = NumberField::millimetres("Plane known to", 1);
         let set = of_part(part, |laser, value| laser.target_plane.offset_sd_m = value);
         optional(ui, bench, &field, (plane.offset_sd_m, true), set);
     });
 }
 
-/// A laser that looks along gravity at a plane below all pulleys.
+/// Laser along gravity towards a plane below all pulleys.
 fn downward(robot: &Robot) -> Laser {
     let gravity = robot.gravity();
     let down = gravity
@@ -135,9 +135,9 @@ fn inclinometer(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
     if let Some(inclinometer) = inclinometer {
         grid(ui, "fields of the inclinometer", |ui| {
-            let field = Field {
+            let field = NumberField {
                 per_si: DEGREES,
-                ..Field::new("Noise of an angle", "°", 4)
+                ..NumberField::new("Noise of an angle", "°", 4)
             };
             one(ui, bench, &field, inclinometer.sd_rad, |robot, value| {
                 robot.inclinometer = Some(Inclinometer { sd_rad: value });
@@ -161,15 +161,15 @@ fn tracker(ui: &mut Ui, bench: &mut Bench<'_>) {
     let part: fn(&mut Robot) -> Option<&mut Tracker> = |robot| robot.tracker.as_mut();
     grid(ui, "fields of the external instrument", |ui| {
         if let PerAxis::Same(sd_m) = tracker.position_sd_m {
-            let field = Field::millimetres("Noise of a position", 3);
+            let field = NumberField::millimetres("Noise of a position", 3);
             let set = of_part(part, |tracker, value| {
                 tracker.position_sd_m = PerAxis::Same(value);
             });
             one(ui, bench, &field, sd_m, set);
         }
-        let field = Field {
+        let field = NumberField {
             per_si: DEGREES,
-            ..Field::new("Noise of an orientation", "°", 4)
+            ..NumberField::new("Noise of an orientation", "°", 4)
         };
         let set = of_part(part, |tracker, value| tracker.orientation_sd_rad = value);
         optional(ui, bench, &field, (tracker.orientation_sd_rad, true), set);

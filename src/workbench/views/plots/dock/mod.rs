@@ -1,5 +1,4 @@
-//! Plots as tabs that are docked beside and above each other, or detached; those with the same x axis are zoomed and
-//! moved together.
+//! Plots as docked tabs or in separate windows; those with the same x axis are zoomed and panned together.
 
 mod plot_id;
 mod tabs;
@@ -16,29 +15,29 @@ use tautline_session::{PlotArea, Plots};
 
 use super::{PLOTS, PlotOptions, PlotState, VariableChoice, scope, sources};
 use crate::model::command::Outbox;
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, Selection};
 use crate::widgets::empty;
-use tabs::{Dock, Wish};
+use tabs::{Dock, DockRequest};
 use tree::{Preset, Tree};
 
 pub(crate) use plot_id::PlotId;
 pub(crate) use windows::show_detached;
 
-/// Width (points) below which there is one plot at a time.
+/// Width (points) below which only one plot is shown at a time.
 const NARROW: f32 = 560.0;
 
 /// State of the plots.
 pub struct Panes {
     docked: Tree,
-    /// The same plots in one place, for a small area and a maximised one.
+    /// Same plots as tabs of one area, for a small or maximised area.
     single: Tree,
     detached: BTreeSet<PlotId>,
     plots: BTreeMap<PlotId, PlotState>,
-    /// Plots that the live scope hides, restored when it closes: docked, and in one place.
+    /// Plots hidden by the live scope, restored when it closes: in `docked` and in `single`.
     before_scope: [Option<PlotId>; 2],
-    /// The arrangement that the preferences have.
+    /// Arrangement stored in the preferences.
     known: Plots,
 }
 
@@ -49,7 +48,7 @@ impl Default for Panes {
 }
 
 impl Panes {
-    /// The plots as the preferences have them.
+    /// Plots as arranged in the preferences.
     #[must_use]
     pub fn of(plots: &Plots) -> Self {
         let detached = plots.detached.iter().filter_map(|name| PlotId::named(name));
@@ -75,11 +74,11 @@ impl Panes {
         panes
     }
 
-    /// The present arrangement, as preferences keep it.
+    /// Present arrangement, for the preferences.
     fn now(&self) -> Plots {
         let mut area = tree::area(&self.docked);
         if let (Some(area), Some(before)) = (&mut area, self.before_scope[0]) {
-            // A scope that came by itself goes by itself.
+            // A scope that opened automatically is not part of the arrangement.
             restore(area, before);
         }
         Plots {
@@ -88,7 +87,7 @@ impl Panes {
         }
     }
 
-    /// The arrangement to store in the preferences, if it has changed.
+    /// Arrangement to store in the preferences, if it has changed.
     fn changed(&mut self) -> Option<Plots> {
         let now = self.now();
         (self.known != now).then(|| {
@@ -97,14 +96,15 @@ impl Panes {
         })
     }
 
-    /// Gives all plots what a task has computed.
+    /// Passes prepared data to all plots.
     pub(crate) fn prepared(&mut self, preparation: &Preparation) {
         for plot in self.plots.values_mut() {
             plot.preparation = Some(preparation.clone());
         }
     }
 
-    /// Shows residuals of a kind of reading along a variable: in a plot that shows such already, or in the first.
+    /// Shows residuals of a quantity along a variable, in a plot by variable that is visible, otherwise in the first
+    /// one.
     pub(crate) fn show_along(
         &mut self,
         quantity: Quantity,
@@ -124,12 +124,12 @@ impl Panes {
         self.bring_forward(id);
     }
 
-    /// Brings a plot to the front of its place; gives what was there: docked, and in one place.
+    /// Brings a plot to the front of its area; returns the plot that was there, in `docked` and in `single`.
     fn bring_forward(&mut self, id: PlotId) -> [Option<PlotId>; 2] {
         [&mut self.docked, &mut self.single].map(|tree| tree::bring_forward(tree, id))
     }
 
-    /// Shows the live scope, unless it is shown already.
+    /// Shows the live scope, unless it is visible already.
     pub(crate) fn show_scope(&mut self) {
         let scope = PlotId::first(&scope::PLOT);
         let before = self.bring_forward(scope);
@@ -138,7 +138,7 @@ impl Panes {
         }
     }
 
-    /// Where the scope came by itself, the plot that was there before comes back.
+    /// Restores the plot that an automatically opened scope has hidden.
     pub(crate) fn leave_scope(&mut self) {
         let scope = PlotId::first(&scope::PLOT);
         let before = std::mem::take(&mut self.before_scope);
@@ -149,7 +149,7 @@ impl Panes {
         }
     }
 
-    /// The range along x of the first plot of a kind, given by its name, with the title of its axis.
+    /// Range along x of the first plot of a kind, given by its name, with the title of the axis.
     #[must_use]
     pub fn range(&self, kind: &str) -> Option<(String, [f64; 2])> {
         let plot = self.plots.get(&PlotId::named(kind)?)?;
@@ -157,22 +157,22 @@ impl Panes {
         Some((known.figure.x.title(), plot.view.drawn?.scale.view[0]))
     }
 
-    /// How many plots stand above each other.
+    /// Number of plots on top of each other.
     #[must_use]
     pub fn rows(&self) -> usize {
         tree::area(&self.docked).map_or(1, |area| rows(&area))
     }
 
-    fn apply(&mut self, wish: Wish) {
+    fn apply(&mut self, wish: DockRequest) {
         match wish {
-            Wish::Show(id) => {
+            DockRequest::Show(id) => {
                 self.bring_forward(id);
             }
-            Wish::Detach(id) => {
+            DockRequest::Detach(id) => {
                 self.remove(id);
                 self.detached.insert(id);
             }
-            Wish::Another(of) => {
+            DockRequest::Another(of) => {
                 let free = (1..u8::MAX).map(|copy| PlotId { copy, ..of });
                 let mut free = free.filter(|id| !self.plots.contains_key(id));
                 if let Some(id) = free.next() {
@@ -191,11 +191,11 @@ impl Panes {
                     self.dock(id);
                 }
             }
-            Wish::Close(id) => {
+            DockRequest::Close(id) => {
                 self.remove(id);
                 self.plots.remove(&id);
             }
-            Wish::Arrange(preset) => {
+            DockRequest::Arrange(preset) => {
                 let all = self.plots.keys().filter(|id| !self.detached.contains(id));
                 let all: Vec<PlotId> = all.copied().collect();
                 self.docked = tree::tree("docked plots", &preset.area(&all), &all);
@@ -235,7 +235,7 @@ fn rows(area: &PlotArea) -> usize {
     }
 }
 
-/// Puts a plot in front of its place instead of the live scope.
+/// Brings a plot to the front of its area, in place of the live scope.
 fn restore(area: &mut PlotArea, plot: PlotId) {
     match area {
         PlotArea::Tabs { plots, shown } => {
@@ -251,7 +251,7 @@ fn restore(area: &mut PlotArea, plot: PlotId) {
     }
 }
 
-/// Draws the plots that are docked; `hovered` is what is under the pointer, in all views.
+/// Draws the docked plots; `hovered` is the selection under the pointer, in all views.
 pub(crate) fn show(
     ui: &mut Ui,
     model: &Model,
@@ -263,9 +263,10 @@ pub(crate) fn show(
         return;
     };
     let area = ui.available_rect_before_wrap();
-    // While the robot moves, the live scope has the whole area.
-    let is_single =
-        model.maximised == Some(Part::Plots) || area.width() < NARROW || model.link.is_under_way();
+    // While the robot moves, the live scope uses the whole area.
+    let is_single = model.maximised == Some(ScreenPart::Plots)
+        || area.width() < NARROW
+        || model.link.is_under_way();
     for plot in panes.plots.values_mut() {
         plot.settle(open);
     }
@@ -322,12 +323,12 @@ mod tests {
     fn an_arrangement_is_restored_with_copies_and_detached_plots() {
         let mut panes = Panes::default();
         let variable = PlotId::first(&sources::variable::PLOT);
-        panes.apply(Wish::Another(variable));
+        panes.apply(DockRequest::Another(variable));
         assert_eq!(panes.rows(), 1);
-        panes.apply(Wish::Arrange(Preset::Four));
+        panes.apply(DockRequest::Arrange(Preset::Four));
         assert_eq!(panes.rows(), 2);
-        panes.apply(Wish::Arrange(Preset::Two));
-        panes.apply(Wish::Detach(PlotId::first(&sources::laser::PLOT)));
+        panes.apply(DockRequest::Arrange(Preset::Two));
+        panes.apply(DockRequest::Detach(PlotId::first(&sources::laser::PLOT)));
         let kept = panes.changed().expect("it has changed");
         assert_eq!(kept.detached, ["laser"]);
         let mut restored = Panes::of(&kept);
@@ -339,7 +340,7 @@ mod tests {
         };
         assert!(restored.plots.contains_key(&copy));
         restored.dock(PlotId::first(&sources::laser::PLOT));
-        restored.apply(Wish::Close(copy));
+        restored.apply(DockRequest::Close(copy));
         assert!(!restored.plots.contains_key(&copy) && restored.detached.is_empty());
     }
 }

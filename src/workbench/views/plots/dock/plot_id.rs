@@ -1,22 +1,22 @@
-//! Which plot is meant: there can be several that show the same.
+//! Identity of a plot: several can be of the same kind.
 
 use super::super::{PlotKind, find};
 
-/// A plot among all.
+/// Identity of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct PlotId {
     pub(crate) kind: &'static PlotKind,
-    /// Counts plots that show the same.
+    /// Number among plots of the same kind, from 0.
     pub(crate) copy: u8,
 }
 
 impl PlotId {
-    /// The only one of its kind, or the first.
+    /// First plot of a kind.
     pub(crate) fn first(kind: &'static PlotKind) -> Self {
         Self { kind, copy: 0 }
     }
 
-    /// What preferences call it.
+    /// Name in the preferences.
     pub(crate) fn name(self) -> String {
         match self.copy {
             0 => self.kind.id.to_owned(),
@@ -24,7 +24,7 @@ impl PlotId {
         }
     }
 
-    /// The plot that preferences call so.
+    /// Plot with this name in the preferences.
     pub(crate) fn named(name: &str) -> Option<Self> {
         if let Some(kind) = find(name) {
             return Some(Self::first(kind));

@@ -1,4 +1,4 @@
-//! Tabs of the plots that are docked, and the buttons beside them.
+//! Tabs of the docked plots, and the buttons beside them.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use super::super::{PlotState, pane, sources};
 use super::PlotId;
 use super::tree::Preset;
 use crate::model::command::{Outbox, ViewCommand};
-use crate::model::part::Part;
+use crate::model::part::ScreenPart;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
 use crate::widgets::{fitting, icon_only};
@@ -22,25 +22,25 @@ use egui_tiles::{
 
 /// Height of a row of tabs (points).
 const BAR: f32 = 7.0 * GRID;
-/// Width of a button with an icon and of the space beside it (points).
+/// Width of an icon button with the space beside it (points).
 const ICON: f32 = 48.0;
 
-/// What the operator wants of the arrangement.
+/// Requested change of the arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Wish {
-    /// This plot in front.
+pub(crate) enum DockRequest {
+    /// Bring the plot to the front.
     Show(PlotId),
-    /// This plot in a window of its own.
+    /// Open the plot in a separate window.
     Detach(PlotId),
-    /// Another plot of the same kind.
+    /// Open another plot of the same kind.
     Another(PlotId),
-    /// This plot, of which there are others, gone.
+    /// Close the plot, of which there are others.
     Close(PlotId),
-    /// An arrangement to begin with.
+    /// Apply a preset arrangement.
     Arrange(Preset),
 }
 
-/// The plots that are docked, in one frame.
+/// Docked plots in one frame.
 pub(crate) struct Dock<'a> {
     pub(crate) model: &'a Model,
     pub(crate) open: &'a OpenSession,
@@ -48,17 +48,17 @@ pub(crate) struct Dock<'a> {
     pub(crate) hovered: &'a mut Selection,
     pub(crate) outbox: &'a mut Outbox,
     pub(crate) area: Rect,
-    /// Tabs for which there is no room.
+    /// Tabs without room.
     pub(crate) hidden: HashSet<TileId>,
-    pub(crate) wish: Option<Wish>,
+    pub(crate) wish: Option<DockRequest>,
 }
 
 impl Dock<'_> {
     fn is_maximised(&self) -> bool {
-        self.model.maximised == Some(Part::Plots)
+        self.model.maximised == Some(ScreenPart::Plots)
     }
 
-    /// Buttons at the right of the tabs of a place.
+    /// Buttons to the right of the tabs of an area.
     fn buttons(&mut self, ui: &mut Ui, tiles: &Tiles<PlotId>, tabs: &Tabs, is_corner: bool) {
         let shown = tabs.active.and_then(|tile| tiles.get_pane(&tile)).copied();
         if is_corner {
@@ -66,7 +66,7 @@ impl Dock<'_> {
             Popup::menu(&button).show(|ui| {
                 for preset in Preset::ALL {
                     if ui.button(preset.title()).clicked() {
-                        self.wish = Some(Wish::Arrange(preset));
+                        self.wish = Some(DockRequest::Arrange(preset));
                         ui.close();
                     }
                 }
@@ -85,29 +85,30 @@ impl Dock<'_> {
     }
 
     fn maximise(&mut self, plot: PlotId) {
-        self.wish = Some(Wish::Show(plot));
-        self.outbox.send(ViewCommand::Maximise(Some(Part::Plots)));
+        self.wish = Some(DockRequest::Show(plot));
+        self.outbox
+            .send(ViewCommand::Maximise(Some(ScreenPart::Plots)));
     }
 
-    /// What can be done with a plot, in a menu.
+    /// Menu entries for a plot.
     fn entries(&mut self, ui: &mut Ui, plot: PlotId) {
         let title = plot.title();
         if ui.button(format!("Open {title} in a window")).clicked() {
-            self.wish = Some(Wish::Detach(plot));
+            self.wish = Some(DockRequest::Detach(plot));
             ui.close();
         }
         if plot.kind == &sources::variable::PLOT && ui.button("Another plot by variable").clicked()
         {
-            self.wish = Some(Wish::Another(plot));
+            self.wish = Some(DockRequest::Another(plot));
             ui.close();
         }
         if plot.copy > 0 && ui.button(format!("Close {title}")).clicked() {
-            self.wish = Some(Wish::Close(plot));
+            self.wish = Some(DockRequest::Close(plot));
             ui.close();
         }
     }
 
-    /// The menu of the tabs for which there is no room.
+    /// Menu of the tabs without room.
     fn more(&mut self, ui: &mut Ui, tiles: &Tiles<PlotId>, hidden: &[TileId]) {
         let button = icon_only(ui, icons::ICON_EXPAND_MORE, "More plots", true);
         Popup::menu(&button).show(|ui| {
@@ -115,7 +116,7 @@ impl Dock<'_> {
                 let missing = (plot.kind.missing)(self.open);
                 let entry = ui.add_enabled(missing.is_none(), Button::new(plot.title()));
                 if entry.clicked() {
-                    self.wish = Some(Wish::Show(*plot));
+                    self.wish = Some(DockRequest::Show(*plot));
                     ui.close();
                 }
                 if let Some(why) = missing {
@@ -240,7 +241,7 @@ impl Behavior<PlotId> for Dock<'_> {
         egui::Color32::TRANSPARENT
     }
 
-    /// Wide enough to be gripped.
+    /// Wide enough to be grabbed.
     fn gap_width(&self, _: &egui::Style) -> f32 {
         3.0 * GRID
     }
@@ -266,7 +267,7 @@ impl Behavior<PlotId> for Dock<'_> {
         }
     }
 
-    /// Plots are dragged one by one.
+    /// Plots are dragged individually.
     fn is_tile_draggable(&self, tiles: &Tiles<PlotId>, tile: TileId) -> bool {
         tiles.get_pane(&tile).is_some()
     }

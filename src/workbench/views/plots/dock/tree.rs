@@ -1,4 +1,4 @@
-//! The tree of areas that plots are docked in, and what preferences keep of it.
+//! Tree of the areas of docked plots, and its form in the preferences.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use super::PlotId;
 /// Areas of plots.
 pub(crate) type Tree = egui_tiles::Tree<PlotId>;
 
-/// Plots that are seen first, from the upper left.
+/// Plots that are visible in presets, from the upper left.
 static FIRST: [&PlotKind; 4] = [
     &sources::residuals::PLOT,
     &sources::tensions::PLOT,
@@ -20,7 +20,7 @@ static FIRST: [&PlotKind; 4] = [
     &sources::laser::PLOT,
 ];
 
-/// An arrangement to begin with.
+/// Preset arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Preset {
     /// One plot.
@@ -43,7 +43,7 @@ impl Preset {
         }
     }
 
-    /// These plots so arranged.
+    /// Arranges these plots.
     pub(crate) fn area(self, plots: &[PlotId]) -> PlotArea {
         let count = match self {
             Self::One => return tabs(plots.to_vec()),
@@ -54,7 +54,7 @@ impl Preset {
         let first: Vec<PlotId> = first.filter(|plot| plots.contains(plot)).collect();
         let mut places: Vec<Vec<PlotId>> = first.iter().map(|plot| vec![*plot]).collect();
         places.resize(count, Vec::new());
-        // The scope comes by itself: it is the first of the others.
+        // The scope opens automatically: it is the first of the others.
         let mut others: Vec<PlotId> = plots.to_vec();
         others.retain(|plot| !first.contains(plot));
         others.sort_by_key(|plot| plot.kind != &scope::PLOT);
@@ -84,7 +84,7 @@ fn equal(areas: impl Iterator<Item = PlotArea>) -> Vec<PlotShare> {
     areas.map(|area| PlotShare { share: 1.0, area }).collect()
 }
 
-/// The tree of an area with these plots; those that the area does not name stand behind its first.
+/// Tree of an area with these plots; those that the area does not name are added as tabs of its first area.
 pub(crate) fn tree(name: &str, area: &PlotArea, plots: &[PlotId]) -> Tree {
     let mut tiles = Tiles::default();
     let mut wanted: BTreeSet<PlotId> = plots.iter().copied().collect();
@@ -129,7 +129,7 @@ fn insert(
     (!linear.children.is_empty()).then(|| tiles.insert_container(linear))
 }
 
-/// Docks a plot behind those of the first place, where it is seen.
+/// Docks a plot as a tab of the first area, in front.
 pub(crate) fn add(tree: &mut Tree, plot: PlotId) {
     let tile = tree.tiles.insert_pane(plot);
     let Some(first) = first_tabs(tree, tree.root) else {
@@ -151,14 +151,14 @@ fn first_tabs(tree: &Tree, tile: Option<TileId>) -> Option<TileId> {
     }
 }
 
-/// Takes a plot out.
+/// Removes a plot.
 pub(crate) fn remove(tree: &mut Tree, plot: PlotId) {
     if let Some(tile) = tree.tiles.find_pane(&plot) {
         tree.remove_recursively(tile);
     }
 }
 
-/// Brings a plot to the front of its place; gives the one that was there.
+/// Brings a plot to the front of its area; returns the one that was there.
 pub(crate) fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
     let tile = tree.tiles.find_pane(&plot)?;
     let parent = tree.tiles.parent_of(tile)?;
@@ -169,11 +169,11 @@ pub(crate) fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
     tree.tiles.get_pane(&before).copied()
 }
 
-/// A place, the plot that was chosen there, and the one that is seen instead.
+/// Area, its chosen plot, and the one shown instead.
 pub(crate) type StandIn = (TileId, TileId, TileId);
 
-/// Lets other plots be seen where those in front have nothing to show: the residuals, which say how to get there, or the
-/// first that has something to show. The live scope, which always has, comes by itself.
+/// Shows other plots in place of those without data: the residuals, whose message explains how to get data, otherwise
+/// the first with data. The live scope, which always has data, opens automatically.
 pub(crate) fn stand_in(
     tree: &mut Tree,
     has_data: impl Fn(&'static PlotKind) -> bool,
@@ -209,7 +209,7 @@ pub(crate) fn stand_in(
     places
 }
 
-/// Lets the plots that were chosen be in front again, unless others were chosen meanwhile.
+/// Brings the chosen plots to the front again, unless others were chosen meanwhile.
 pub(crate) fn stand_back(tree: &mut Tree, places: &[StandIn]) {
     for (place, chosen, seen) in places {
         let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(*place) else {
@@ -227,8 +227,7 @@ fn set_active(tree: &mut Tree, place: TileId, plot: TileId) {
     }
 }
 
-/// Once `dragged` was dropped at the side of a plot among others: the place of all of them is divided, not that of this
-/// plot behind its tab.
+/// After a plot was dropped at the side of a tab among others, divides the area of all tabs instead of only that tab.
 pub(crate) fn untangle(tree: &mut Tree, dragged: TileId) {
     let divided = |(id, tile): (&TileId, &Tile<PlotId>)| match tile {
         Tile::Container(Container::Tabs(tabs)) => {
@@ -265,14 +264,14 @@ pub(crate) fn untangle(tree: &mut Tree, dragged: TileId) {
     }
 }
 
-/// The plots that are seen.
+/// Visible plots.
 pub(crate) fn shown(tree: &Tree) -> Vec<PlotId> {
     let active = tree.active_tiles();
     let panes = active.iter().filter_map(|tile| tree.tiles.get_pane(tile));
     panes.copied().collect()
 }
 
-/// What preferences keep of a tree.
+/// Arrangement of a tree, for the preferences.
 pub(crate) fn area(tree: &Tree) -> Option<PlotArea> {
     area_of(tree, tree.root?)
 }
@@ -288,7 +287,7 @@ fn area_of(tree: &Tree, tile: TileId) -> Option<PlotArea> {
             });
         }
         Tile::Container(Container::Linear(linear)) => linear,
-        // Grids are never made.
+        // Grids are not used.
         Tile::Container(Container::Grid(_)) => return None,
     };
     let shares = linear.children.iter().filter_map(|child| {
@@ -350,7 +349,7 @@ mod tests {
         stand_back(&mut tree, &places);
         assert_eq!(area(&tree), chosen, "preferences keep what was chosen");
         assert!(stand_in(&mut tree, |_| true).is_empty());
-        // Without the residuals the first that has data; what is chosen meanwhile stays.
+        // Without the residuals, the first plot with data; a plot chosen meanwhile stays.
         remove(&mut tree, PlotId::first(&sources::residuals::PLOT));
         let places = stand_in(&mut tree, |kind| {
             [&sources::elongation::PLOT, &scope::PLOT].contains(&kind)

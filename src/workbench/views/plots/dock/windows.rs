@@ -1,4 +1,4 @@
-//! Plots that have windows of their own.
+//! Plots in separate windows.
 
 use egui::{CentralPanel, Ui, ViewportBuilder, ViewportClass, ViewportId};
 use egui_material_icons::icons;
@@ -12,7 +12,7 @@ use crate::widgets::{icon_button, panel_frame};
 /// Size of the window of a plot (points).
 const WINDOW: [f32; 2] = [720.0, 460.0];
 
-/// Draws the plots that have windows of their own, and keeps the arrangement of all once it has changed.
+/// Draws the plots in separate windows, and stores the arrangement of all plots after a change.
 pub(crate) fn show_detached(
     ui: &Ui,
     model: &Model,
@@ -35,7 +35,7 @@ pub(crate) fn show_detached(
         let viewport = ViewportId::from_hash_of(("plot", id.name()));
         let draw = |ui: &mut Ui, class: ViewportClass| {
             let mut is_docked = false;
-            // The key works in every window.
+            // The Stop key works in every window.
             if ui.input_mut(|input| input.consume_shortcut(&STOP)) {
                 outbox.send(RobotCommand::Stop);
             }
@@ -60,7 +60,7 @@ pub(crate) fn show_detached(
             panes.dock(id);
         }
     }
-    // What is being dragged is kept once it is let go.
+    // A change by dragging is stored when the button is released.
     if !ui.input(|input| input.pointer.any_down())
         && let Some(plots) = panes.changed()
     {

@@ -1,4 +1,4 @@
-//! Histogram of standardised residuals without and with what a diagnosis found.
+//! Histogram of standardised residuals without and with the findings of a diagnosis.
 
 use tautline_core::estimation::Observation;
 
@@ -19,12 +19,12 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     content: Content::Figure(|source| Ok(figure(source.prepared()?))),
 };
 
-/// Half of the width that is shown (standard deviations); what is beyond counts in the outermost columns.
+/// Half of the displayed width (standard deviations); values beyond count in the outermost columns.
 const MOST: f64 = 6.0;
-/// Columns.
+/// Number of columns.
 const COUNT: usize = 48;
 
-/// The histograms with the normal curve.
+/// Histograms with the normal curve.
 pub(crate) fn figure(prepared: &Prepared) -> Figure {
     let before = all(&prepared.base);
     let mut columns = vec![density("before", Ink::Warning, &before)];
@@ -47,14 +47,14 @@ pub(crate) fn figure(prepared: &Prepared) -> Figure {
     }
 }
 
-/// All standardised residuals of the readings of a fit.
+/// Standardised residuals of all readings of a fit.
 fn all(fit: &Identification) -> Vec<f64> {
     all_readings(&fit.analysis)
         .filter_map(Observation::normalised)
         .collect()
 }
 
-/// Columns whose area is 1.
+/// Columns with a total area of 1.
 fn density(name: &str, ink: Ink, values: &[f64]) -> Columns {
     let (edges, counts) = histogram::histogram(values, MOST, COUNT);
     let share = COUNT as f64 / (2.0 * MOST * values.len().max(1) as f64);

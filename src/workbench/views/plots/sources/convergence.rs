@@ -15,7 +15,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     content: Content::Figure(|source| Ok(figure(source.fit()?))),
 };
 
-/// The way of a fit to its solution.
+/// Chi-square over the steps of a fit.
 pub(crate) fn figure(fit: &Identification) -> Figure {
     let steps = fit.steps.iter().enumerate();
     let places: Vec<[f64; 2]> = steps

@@ -1,4 +1,4 @@
-//! Correlations of the parameters of a fit, those of a pulley together.
+//! Correlations of the parameters of a fit, grouped by pulley.
 
 use tautline_core::estimation::{Parameter, ParameterId};
 
@@ -20,7 +20,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     content: Content::Figure(|source| Ok(figure(source.fit()?))),
 };
 
-/// Cable that a parameter belongs to.
+/// Cable of a parameter.
 fn cable_of(parameter: &Parameter) -> Option<usize> {
     match parameter.id {
         ParameterId::EntryPoint { cable, .. } | ParameterId::HomeTension { cable } => Some(cable),
@@ -39,7 +39,7 @@ fn group_of(parameter: &Parameter) -> String {
     }
 }
 
-/// The correlations as a heat map; empty where the data do not determine them.
+/// Correlations as a heat map; empty if the data do not determine them.
 pub(crate) fn figure(fit: &Identification) -> Figure {
     let Some(correlations) = fit.solution.correlations() else {
         return Figure::default();
@@ -63,7 +63,7 @@ pub(crate) fn figure(fit: &Identification) -> Figure {
             start = end;
         }
     }
-    // Upwards, as ticks are.
+    // In ascending order, like ticks.
     let upwards = groups.iter().rev().map(|(at, name)| (-at, name.clone()));
     let mut y = Axis::new(
         "Correlations of the parameters (numbers: entry points of the pulleys)",
@@ -104,7 +104,7 @@ mod tests {
     use crate::theme;
     use crate::views::plots::screen::colours;
 
-    /// Names are left out where they have no room, but not those of the cables.
+    /// Names without room are omitted, but not those of the cables.
     #[test]
     fn every_cable_has_its_number_on_both_axes_of_a_small_plot() {
         let robot = presets::find("mini").expect("a preset").robot;
@@ -118,7 +118,7 @@ mod tests {
         let fit = identify(&request, &mut |_| Control::Continue).expect("a fit");
         let colours = colours(theme::palette(egui::Theme::Dark));
         let drawn = drawing("", &figure(&fit), [620.0, 230.0], 1.0, &colours);
-        // Names along x stand below the others, those along y left of them.
+        // Names along x are at the bottom, those along y on the left.
         let mut along: [BTreeSet<String>; 2] = Default::default();
         for shape in &drawn.shapes {
             if let Shape::Text { at, text, .. } = shape {

@@ -39,7 +39,7 @@ impl CourseReading {
         (Self::Position, "External position"),
     ];
 
-    /// Those that a session has, with their names.
+    /// Readings of a session, with their names.
     pub(crate) fn of(session: &Session) -> Vec<(Self, &'static str)> {
         let data = &session.measurements;
         let is_there = |(reading, _): &(Self, &str)| match reading {
@@ -56,7 +56,7 @@ impl CourseReading {
     }
 }
 
-/// Time (s) from which samples are poses at rest, one after the other, and no recording.
+/// Interval (s) above which samples are separate poses instead of a recording.
 const APART_S: f64 = 1.0;
 
 /// Whether readings were recorded over time.
@@ -66,7 +66,7 @@ fn has_times(session: &Session) -> bool {
     2 * close.count() > times.len() && !CourseReading::of(session).is_empty()
 }
 
-/// Readings over time; those of another kind where these were not recorded.
+/// Readings over time; another kind if the session does not have the wanted one.
 pub(crate) fn figure(session: &Session, wanted: CourseReading) -> Figure {
     let (robot, data) = (&session.robot, &session.measurements);
     let known = CourseReading::of(session);
@@ -139,7 +139,7 @@ struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// A point for each pose at the time since the first.
+    /// Point for each pose, at the time since the first.
     fn points(&self, value: impl Fn(usize) -> f64) -> Vec<Point> {
         let start_s = self.data.time_s.first().copied().unwrap_or_default();
         let rows = self.data.labels.iter().zip(&self.data.time_s).enumerate();
@@ -152,7 +152,7 @@ impl Course<'_> {
     }
 }
 
-/// What is read of the length of a cable (m).
+/// Measured length of a cable (m).
 fn length_m(data: &Measurements, (cable, index): (&Cable, usize), row: usize) -> f64 {
     match data.revolutions.is_empty() {
         true => data.length_m.get(row, index),

@@ -1,4 +1,4 @@
-//! Measured elongation over length and tension: the fitted surface with contours, and the measured points.
+//! Measured elongation over length and tension: fitted surface with contours, and measured points.
 
 use tautline_core::cable::ElongationSurface;
 use tautline_session::Session;
@@ -38,10 +38,10 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     content: Content::Figure(|source| Ok(figure(source.open.session(), source.options.elongation))),
 };
 
-/// Cells along each axis.
+/// Number of cells along each axis.
 const CELLS: usize = 64;
 
-/// The surface of a cable, or the only one if all have the same.
+/// Elongation surface of a cable.
 fn surface(session: &Session, cable: usize) -> Option<&ElongationSurface> {
     let surface = session
         .robot
@@ -53,14 +53,14 @@ fn surface(session: &Session, cable: usize) -> Option<&ElongationSurface> {
     surface.check().is_none().then_some(surface)
 }
 
-/// Whether there is anything to show.
+/// Whether there are data or a surface.
 fn has_any(session: &Session) -> bool {
     let cables = 0..session.robot.cables.len();
     !session.phases.elongation.is_empty()
         || cables.into_iter().any(|c| surface(session, c).is_some())
 }
 
-/// Elongation of a cable; of the first that has a surface if none is given.
+/// Elongation of a cable; by default of the first one with a surface.
 pub(crate) fn figure(session: &Session, cable: Option<usize>) -> Figure {
     let chosen = cable.and_then(|cable| surface(session, cable));
     let surface =
@@ -113,7 +113,7 @@ fn heat(surface: &ElongationSurface) -> HeatMap {
     }
 }
 
-/// Lines of equal elongation at round values.
+/// Contours at round values.
 fn lines(heat: &HeatMap) -> Vec<Curve> {
     let ColourScale::Rising(low, high) = heat.shades else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Residuals of positions by an external instrument over poses, along each axis.
+//! Residuals of positions measured by an external instrument, over poses and for each axis.
 
 use tautline_core::estimation::ObservationKind;
 use tautline_workflow::plot::figure::{Ink, Marker};

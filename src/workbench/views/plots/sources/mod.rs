@@ -1,4 +1,4 @@
-//! The figures of each plot, made from results once per revision.
+//! Figures of the plots, computed once per revision.
 
 pub mod before_after;
 pub mod convergence;
@@ -17,12 +17,12 @@ use tautline_core::measurement::Dataset;
 
 use tautline_workflow::plot::figure::Point;
 
-/// Label of an axis along which poses stand.
+/// Label of an axis of poses.
 pub(crate) const POSE: &str = "Pose";
-/// Label of an axis along which times stand.
+/// Label of an axis of times.
 pub(crate) const TIME: &str = "Time";
 
-/// A point of a pose, given by its row.
+/// Point of the pose in a row.
 fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f64) -> Point {
     let pose = dataset.measurements.labels.get(row).copied();
     Point {

@@ -1,4 +1,4 @@
-//! Residuals of cable lengths over poses, and what those of other readings share with them.
+//! Residuals of cable lengths over poses, and common parts of other residual plots.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use tautline_core::estimation::{Observation, ObservationKind};
 use super::{POSE, over_pose};
 use crate::views::plots::choices::{ResidualUnit, choose};
 use crate::views::plots::kind::{
-    Content, OptionsInput, PlotKind, PlotOptions, Source, Unavailable,
+    Content, OptionsInput, PlotKind, PlotOptions, PlotSource, Unavailable,
 };
 use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
@@ -45,7 +45,7 @@ impl ResidualUnit {
         }
     }
 
-    /// Three standard deviations of residuals; in millimetres those of the middle one (median).
+    /// Band of three standard deviations of residuals; in millimetres, of their median.
     fn band<'a>(self, readings: impl Iterator<Item = &'a Observation>) -> Option<Band> {
         let half = match self {
             Self::Deviations => 3.0,
@@ -67,7 +67,7 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// Residuals of the lengths of all cables.
+/// Residuals of all cable lengths.
 fn lengths(fit: &Identification, unit: ResidualUnit, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let named = cable_points(fit, unit, excluded)
@@ -80,8 +80,8 @@ fn lengths(fit: &Identification, unit: ResidualUnit, excluded: &BTreeSet<i64>) -
     over_poses(unit, unit.band(length_readings(fit)), series)
 }
 
-/// Residuals of the lengths of all cables in two sessions, the second as rings. Their poses have nothing to do with each
-/// other, so a point stands for no pose.
+/// Residuals of all cable lengths in two sessions, the second as rings. Their poses are unrelated, so points do not
+/// select a pose.
 pub(crate) fn of_both(fits: [&Identification; 2]) -> Figure {
     let unit = ResidualUnit::default();
     let nothing = BTreeSet::new();
@@ -95,7 +95,7 @@ pub(crate) fn of_both(fits: [&Identification; 2]) -> Figure {
             series.push(if name == "A" {
                 own
             } else {
-                // The legend names every cable once.
+                // The legend names each cable once.
                 let mut own = own.as_rings();
                 own.short.clear();
                 own
@@ -122,7 +122,7 @@ fn length_readings(fit: &Identification) -> impl Iterator<Item = &Observation> {
     readings.filter(|reading| matches!(reading.kind, ObservationKind::Length(_)))
 }
 
-/// Residuals of the lengths of each cable.
+/// Residuals of the length of each cable.
 fn cable_points(
     fit: &Identification,
     unit: ResidualUnit,
@@ -140,9 +140,9 @@ fn cable_points(
     points
 }
 
-/// Residuals of readings of these kinds, each a series of its own.
+/// Residuals of readings of these kinds, as a series each.
 pub(super) fn of_kinds(
-    source: &Source<'_>,
+    source: &PlotSource<'_>,
     kinds: &[(&str, Ink, Marker, ObservationKind)],
 ) -> Result<Figure, Unavailable> {
     let (fit, unit, excluded) = (source.fit()?, source.options.unit, source.excluded());
@@ -160,7 +160,7 @@ pub(super) fn of_kinds(
     Ok(over_poses(unit, band, series.collect()))
 }
 
-/// The choice of the unit.
+/// Choice of the unit.
 pub(super) fn choose_unit(ui: &mut Ui, options: &mut PlotOptions, input: &OptionsInput<'_>) {
     let units = [
         (ResidualUnit::Deviations, "Standard deviations"),

@@ -1,4 +1,4 @@
-//! Residuals of one kind of reading along a variable, before and after what a diagnosis found.
+//! Residuals of a quantity along a variable, before and after the findings of a diagnosis.
 
 use std::collections::BTreeSet;
 
@@ -39,15 +39,15 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     }),
 };
 
-/// Places along a fitted curve.
+/// Number of points of a fitted curve.
 const PLACES: usize = 120;
-/// Readings that are averaged for each place of the effect's line.
+/// Number of readings averaged for each point of the effect's curve.
 const AVERAGED: usize = 24;
 
 /// Legend of the residuals of the extended model.
 const AFTER: &str = "after, with the causes found";
 
-/// Width of a button that opens a menu, with the space before it (points).
+/// Width of a menu button with the space before it (points).
 const MENU: f32 = 72.0;
 
 fn choose(ui: &mut Ui, options: &mut PlotOptions, input: &OptionsInput<'_>) {
@@ -111,7 +111,7 @@ fn along(
     choice
 }
 
-/// Name and unit of a variable as a person reads it, and the factor from SI.
+/// Display name and unit of a variable, and the factor from its SI unit.
 fn axis(variable: Variable) -> (Axis, f64) {
     let (unit, factor) = match variable {
         Variable::CableLength | Variable::Distance | Variable::Position(_) => ("m", 1.0),
@@ -127,7 +127,7 @@ fn axis(variable: Variable) -> (Axis, f64) {
     (Axis::new(capitalised(variable.name()), unit), factor)
 }
 
-/// A name with a capital at its start.
+/// Name with a capital initial.
 fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| {
@@ -136,9 +136,9 @@ fn capitalised(name: &str) -> String {
 }
 
 /// Row, variable and residual.
-type Place = (usize, f64, f64);
+type DataPoint = (usize, f64, f64);
 
-/// The residuals along the variable.
+/// Residuals along the variable.
 pub(crate) fn figure(
     prepared: &Prepared,
     diagnosed: Option<&Diagnosed>,
@@ -150,8 +150,8 @@ pub(crate) fn figure(
     };
     let (x, factor) = axis(choice.variable);
     let data = &prepared.base.dataset;
-    let points = |places: &[Place]| -> Vec<Point> {
-        let point = |(row, x, y): &Place| at_row(data, excluded, *row, *x, *y);
+    let points = |places: &[DataPoint]| -> Vec<Point> {
+        let point = |(row, x, y): &DataPoint| at_row(data, excluded, *row, *x, *y);
         places.iter().map(point).collect()
     };
     let before = places(&prepared.base, choice, values, factor);
@@ -180,8 +180,8 @@ pub(crate) fn figure(
     figure
 }
 
-/// A curve where there are data; the legend names it once.
-fn pieces(curve: &Curve, places: &[Place]) -> Vec<Curve> {
+/// Parts of a curve where there are data; the legend names only the first.
+fn pieces(curve: &Curve, places: &[DataPoint]) -> Vec<Curve> {
     let data: Vec<f64> = places.iter().map(|(_, x, _)| *x).collect();
     let pieces = without_gaps(&curve.points, &data).into_iter().enumerate();
     pieces
@@ -196,7 +196,12 @@ fn pieces(curve: &Curve, places: &[Place]) -> Vec<Curve> {
         .collect()
 }
 
-fn places(fit: &Identification, choice: VariableChoice, values: &[f64], factor: f64) -> Vec<Place> {
+fn places(
+    fit: &Identification,
+    choice: VariableChoice,
+    values: &[f64],
+    factor: f64,
+) -> Vec<DataPoint> {
     residuals(fit, choice.quantity, choice.cable)
         .into_iter()
         .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
@@ -214,9 +219,9 @@ fn series(choice: VariableChoice, fit: &Identification, points: Vec<Point>) -> S
     }
 }
 
-/// The curve through the residuals of a dependence: least squares in the functions that the diagnosis asked with. `factor`
-/// is that from the SI unit of the variable.
-fn dependence(places: &[Place], variable: Variable, factor: f64) -> Option<Curve> {
+/// Least-squares curve through the residuals of a dependence, in the basis functions of the diagnosis. `factor`
+/// converts from the SI unit of the variable.
+fn dependence(places: &[DataPoint], variable: Variable, factor: f64) -> Option<Curve> {
     let known = places
         .iter()
         .filter(|(_, x, y)| x.is_finite() && y.is_finite());
@@ -251,8 +256,8 @@ fn dependence(places: &[Place], variable: Variable, factor: f64) -> Option<Curve
     })
 }
 
-/// What the causes found explain of the residuals: before minus after, neighbours along the variable averaged.
-fn effect(before: &[Place], after: &[Place]) -> Curve {
+/// Part of the residuals explained by the findings: before minus after, averaged over neighbours along the variable.
+fn effect(before: &[DataPoint], after: &[DataPoint]) -> Curve {
     let by_row: std::collections::HashMap<usize, f64> =
         after.iter().map(|(row, _, value)| (*row, *value)).collect();
     let mut explained: Vec<[f64; 2]> = before
@@ -281,7 +286,7 @@ mod tests {
     #[test]
     fn the_curve_of_a_dependence_runs_through_its_points() {
         let value = |k: usize| k as f64 / 40.0;
-        let places: Vec<Place> = (0..=40)
+        let places: Vec<DataPoint> = (0..=40)
             .map(|k| {
                 (
                     k,

@@ -1,5 +1,5 @@
-//! The visible columns of the table. If not all have room, those that name the row stay and the others are paged through,
-//! so that none is ever cut.
+//! Visible columns of the table. If there is no room for all, the columns that name the row stay and the others are
+//! paged, so that none is cut off.
 
 use std::ops::Range;
 
@@ -10,17 +10,17 @@ const LEAST: f32 = 72.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct VisibleColumns {
-    /// Those that name the row, with their widths (points).
+    /// Widths of the columns that name the row (points).
     pub(crate) names: Vec<f32>,
-    /// Indices of the others.
+    /// Indices of the other columns.
     pub(crate) others: Range<usize>,
     /// Whether there are more to the left and to the right.
     pub(crate) more: [bool; 2],
 }
 
 impl VisibleColumns {
-    /// The visible columns of a table of a given width, with `space` after each (points): the first `names`, and the others
-    /// from the one with index `from` on, or from an earlier one if that would leave room unused.
+    /// Visible columns of a table of this width, with `space` after each (points): the first `names`, and the others
+    /// from index `from` on, or from an earlier one if that would leave room unused.
     pub(crate) fn of(
         heads: &[Head],
         names: usize,
@@ -33,7 +33,7 @@ impl VisibleColumns {
         let taken = |named: &[f32]| named.iter().map(|width| width + space).sum::<f32>();
         let missing = taken(&named) + widest - width;
         if let Some(longest) = named.iter_mut().max_by(|a, b| a.total_cmp(b)) {
-            // A name is shortened before a number is cut.
+            // A name is shortened before a number is cut off.
             *longest = (*longest - missing.max(0.0)).max(LEAST.min(*longest));
         }
         let room = width - taken(&named);
@@ -66,14 +66,14 @@ mod tests {
 
     const SPACE: f32 = 8.0;
 
-    /// Width of the visible columns (points).
+    /// Total width of the visible columns (points).
     fn width(seen: &VisibleColumns, heads: &[Head]) -> f32 {
         let others = heads[seen.others.clone()].iter().map(|head| head.width);
         let widths: Vec<f32> = seen.names.iter().copied().chain(others).collect();
         widths.iter().sum::<f32>() + SPACE * (widths.len() - 1) as f32
     }
 
-    /// Headings of a table whose columns are so wide (points).
+    /// Headings of columns with these widths (points).
     fn heads(widths: &[f32]) -> Vec<Head> {
         let head = |width: &f32| Head {
             title: "",

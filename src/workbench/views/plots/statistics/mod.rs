@@ -1,4 +1,4 @@
-//! Statistics of the identification as a table: readings with their reliability, identified values with their intervals.
+//! Table of statistics of the identification: readings with their reliability, identified values with their intervals.
 
 mod columns;
 mod rows;
@@ -19,7 +19,7 @@ use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::{icon_button, icon_only, muted};
 use columns::VisibleColumns;
-use rows::{Head, Listed, Listing, Of, Order, Row, arranged, listing, text};
+use rows::{Head, Listed, Listing, ListingKey, Order, StatisticsRow, arranged, listing, text};
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "statistics",
@@ -34,9 +34,9 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     content: Content::Statistics,
 };
 
-/// Width (points) below which the buttons have icons alone.
+/// Width (points) below which buttons have only icons.
 const NARROW: f32 = 480.0;
-/// Width (points) beside the filter from which on the number of rows has room there.
+/// Width (points) beside the filter at which the number of rows fits there.
 const COUNTED: f32 = 220.0;
 
 /// State of the table.
@@ -44,14 +44,14 @@ const COUNTED: f32 = 220.0;
 pub(crate) struct Statistics {
     listed: Listed,
     orders: [Option<Order>; 2],
-    /// The first of the columns that are leafed through, where not all have room.
+    /// First visible paged column of each table.
     from: [usize; 2],
     filter: String,
-    all: Memo<Of, Listing>,
-    shown: Memo<(Of, Option<Order>, String), Vec<usize>>,
+    all: Memo<ListingKey, Listing>,
+    shown: Memo<(ListingKey, Option<Order>, String), Vec<usize>>,
 }
 
-/// Draws the table; `hovered` is what is under the pointer, in all views.
+/// Draws the table; `hovered` is the selection under the pointer, in all views.
 pub(super) fn show(
     ui: &mut Ui,
     fit: &Arc<Identification>,
@@ -59,7 +59,7 @@ pub(super) fn show(
     (selection, hovered): (Selection, &mut Selection),
     outbox: &mut Outbox,
 ) {
-    let of = Of {
+    let of = ListingKey {
         listed: state.listed,
         fit: Arc::clone(fit),
     };
@@ -101,7 +101,7 @@ pub(super) fn show(
     );
 }
 
-/// Buttons to the columns that have no room.
+/// Buttons that page through the columns.
 fn leaf(ui: &mut Ui, seen: &VisibleColumns, names: usize, from: &mut usize) {
     let first = seen.others.start - names;
     let [left, right] = seen.more;
@@ -142,7 +142,7 @@ fn number_of(shown: usize, all: usize) -> String {
 fn table(
     ui: &mut Ui,
     (heads, seen): (&[Head], &VisibleColumns),
-    (rows, shown): (&[Row], &[usize]),
+    (rows, shown): (&[StatisticsRow], &[usize]),
     order: &mut Option<Order>,
     (selection, hovered): (Selection, &mut Selection),
     outbox: &mut Outbox,
@@ -199,7 +199,7 @@ fn table(
     });
 }
 
-/// Adds to a cell, at the side where its column has its text; what is added takes no room, so that the cell does not grow.
+/// Adds content to a cell on the side of its text; it takes no space, so that the cell does not grow.
 fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
     let layout = match head.is_number {
         true => Layout::right_to_left(Align::Center),
@@ -209,7 +209,7 @@ fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
     add(&mut ui.new_child(cell));
 }
 
-/// A heading, which sorts by its column: first ascending, then descending, then as measured.
+/// Heading that sorts by its column: ascending, then descending, then in the original order.
 fn heading(ui: &mut Ui, head: &Head, column: usize, order: &mut Option<Order>) {
     let own = order.filter(|order| order.column == column);
     let icon = own.map(|order| match order.descending {

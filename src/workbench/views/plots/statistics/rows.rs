@@ -1,4 +1,4 @@
-//! The rows of the table: cells with the numbers behind them, sorted and filtered.
+//! Rows of the table: cells with their numbers, sorted and filtered.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -12,24 +12,24 @@ use crate::model::plot_preparation::same;
 
 /// Width of a character (points).
 const CHARACTER: f32 = 7.2;
-/// Room beside a title for the sign of the order (characters).
+/// Room beside a title for the sort icon (characters).
 const SIGN: usize = 2;
 
-/// What the table lists.
+/// Content of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Listed {
     #[default]
     Readings,
-    /// All identified values.
+    /// Identified values.
     Values,
 }
 
 impl Listed {
-    /// Both with their titles.
+    /// Both contents, with their titles.
     pub(crate) const ALL: [(Self, &'static str); 2] =
         [(Self::Readings, "Readings"), (Self::Values, "Values")];
 
-    /// How many of its columns, from the first on, say what a row is.
+    /// Number of columns, from the first, that name the row.
     pub(crate) fn names(self) -> usize {
         match self {
             Self::Readings => 2,
@@ -38,66 +38,66 @@ impl Listed {
     }
 }
 
-/// The heading of a column.
+/// Heading of a column.
 #[derive(Debug, Clone)]
 pub(crate) struct Head {
     pub(crate) title: &'static str,
-    /// What the cells of the column are.
+    /// Explanation of the column.
     pub(crate) help: &'static str,
-    /// Whether it stands at the right.
+    /// Whether the column is right-aligned.
     pub(crate) is_number: bool,
     /// Width (points).
     pub(crate) width: f32,
 }
 
-/// The headings and all rows of a table.
+/// Headings and all rows of a table.
 #[derive(Debug, Default)]
 pub(crate) struct Listing {
     pub(crate) heads: Vec<Head>,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<StatisticsRow>,
 }
 
-/// A row: its cells, the numbers to sort by (cells without one by their text), and what it selects.
+/// Row with its cells, the numbers to sort by (cells without a number are sorted by text), and its selection.
 #[derive(Debug, Clone)]
-pub(crate) struct Row {
-    /// What is shown.
+pub(crate) struct StatisticsRow {
+    /// Displayed texts.
     pub(crate) cells: Vec<String>,
     keys: Vec<Option<f64>>,
-    /// What a click selects.
+    /// Selection after a click.
     pub(crate) selects: Selection,
-    /// Whether it is a reading that does not fit.
+    /// Whether the row is a suspect reading.
     pub(crate) is_suspect: bool,
 }
 
-/// By which column a table is sorted.
+/// Sort order of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Order {
-    /// Its place.
+    /// Index of the column.
     pub(crate) column: usize,
-    /// Whether the largest come first.
+    /// Whether the largest value comes first.
     pub(crate) descending: bool,
 }
 
-/// What the rows depend on.
+/// Inputs of the rows.
 #[derive(Debug, Clone)]
-pub(crate) struct Of {
+pub(crate) struct ListingKey {
     pub(crate) listed: Listed,
     pub(crate) fit: Arc<Identification>,
 }
 
-impl PartialEq for Of {
+impl PartialEq for ListingKey {
     fn eq(&self, other: &Self) -> bool {
         self.listed == other.listed && same(Some(&self.fit), Some(&other.fit))
     }
 }
 
-/// Cells that a filter looks at: pose and reading, or value and unit. Numbers are found by sorting.
+/// Number of cells searched by the filter: pose and reading, or value and unit. Numbers are found by sorting.
 const NAMES: usize = 2;
 
-/// The places of the rows whose names contain every word of the filter, in order.
-pub(crate) fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<usize> {
+/// Indices of the rows whose names contain every word of the filter, in order.
+pub(crate) fn arranged(rows: &[StatisticsRow], order: Option<Order>, filter: &str) -> Vec<usize> {
     let words: Vec<&str> = filter.split_whitespace().collect();
-    let is_wanted = |row: &Row| {
+    let is_wanted = |row: &StatisticsRow| {
         let text = row.cells[..NAMES].join(" ").to_lowercase();
         words.iter().all(|word| text.contains(word))
     };
@@ -108,8 +108,8 @@ pub(crate) fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<
     places
 }
 
-/// Rows without a number stand last whatever the direction.
-fn compared(a: &Row, b: &Row, column: usize, descending: bool) -> Ordering {
+/// Compares two rows; those without a number come last in both directions.
+fn compared(a: &StatisticsRow, b: &StatisticsRow, column: usize, descending: bool) -> Ordering {
     let directed = |order: Ordering| if descending { order.reverse() } else { order };
     match (a.keys[column], b.keys[column]) {
         (Some(a), Some(b)) => directed(a.total_cmp(&b)),
@@ -119,8 +119,8 @@ fn compared(a: &Row, b: &Row, column: usize, descending: bool) -> Ordering {
     }
 }
 
-/// The table as text for a spreadsheet: cells apart by tabs.
-pub(crate) fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
+/// Table as tab-separated text, for a spreadsheet.
+pub(crate) fn text(heads: &[Head], rows: &[StatisticsRow], shown: &[usize]) -> String {
     let titles: Vec<&str> = heads.iter().map(|head| head.title).collect();
     let mut text = titles.join("\t") + "\n";
     for place in shown {
@@ -130,8 +130,8 @@ pub(crate) fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
     text
 }
 
-/// The table with all rows, as they were measured.
-pub(crate) fn listing(of: &Of) -> Listing {
+/// Table with all rows, in the original order.
+pub(crate) fn listing(of: &ListingKey) -> Listing {
     match of.listed {
         Listed::Readings => table(&READINGS, reading_statistics(&of.fit), |one| {
             let (cable, pose) = (one.cable, Some(one.pose));
@@ -144,7 +144,7 @@ pub(crate) fn listing(of: &Of) -> Listing {
     }
 }
 
-/// The columns that the window has, of things that `row` gives the cells of, what they select, and whether they are suspect.
+/// Table from items: `row` returns the cells of an item, its selection, and whether it is suspect.
 fn table<T, const N: usize>(
     columns: &[[&'static str; 3]; N],
     all: Vec<T>,
@@ -160,14 +160,14 @@ fn table<T, const N: usize>(
             Cell::Number([_, shown], text) => (shown, text),
         });
         let (keys, cells) = cells.unzip();
-        Row {
+        StatisticsRow {
             cells,
             keys,
             selects,
             is_suspect,
         }
     };
-    let rows: Vec<Row> = all.into_iter().map(row).collect();
+    let rows: Vec<StatisticsRow> = all.into_iter().map(row).collect();
     let head = |(place, [_, title, help]): (usize, &[&'static str; 3])| {
         let lengths = rows.iter().map(|row| row.cells[place].chars().count());
         Head {
@@ -186,10 +186,10 @@ fn table<T, const N: usize>(
 mod tests {
     use super::*;
 
-    fn rows() -> Vec<Row> {
+    fn rows() -> Vec<StatisticsRow> {
         let of = |name: &str, value: Option<f64>| {
             let shown = value.map_or_else(|| "\u{2013}".to_owned(), |v| format!("{v:.1}"));
-            Row {
+            StatisticsRow {
                 cells: vec![name.to_owned(), shown.replace('-', "\u{2212}")],
                 keys: vec![None, value],
                 selects: Selection::default(),

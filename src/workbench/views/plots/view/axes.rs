@@ -1,4 +1,4 @@
-//! Axes of a plot: where they stand, their ticks, and zooming along them.
+//! Axes of a plot: layout, ticks, and zooming along an axis.
 
 use egui::{FontId, Rangef, Rect, RichText, Vec2, vec2};
 use egui_plot::{AxisHints, GridMark, Plot, PlotTransform, PlotUi};
@@ -10,7 +10,7 @@ use tautline_workflow::plot::scale::{Scale, Tick};
 use super::PlotInput;
 use crate::theme::GRID;
 
-/// Points of the wheel that zoom by a factor of e.
+/// Scrolling distance (points) for a zoom factor of e.
 const WHEEL: f32 = 240.0;
 
 pub(crate) fn scale_of(transform: &PlotTransform) -> Scale {
@@ -22,11 +22,11 @@ pub(crate) fn scale_of(transform: &PlotTransform) -> Scale {
     }
 }
 
-/// The plot with its axes; `inner` is where it is drawn.
+/// Plot with its axes; `inner` is the rectangle of the data.
 pub(super) fn arranged<'a>(input: &'a PlotInput<'_>, inner: Rect, colours: &Colours) -> Plot<'a> {
     let figure = input.figure;
     let [x, y] = input.whole;
-    // Below the data are the ticks and the title, which an axis with names lacks.
+    // Space below the data for ticks and title; an axis of names has no title.
     let below = match figure.x.names.is_empty() {
         true => 8.0 * GRID,
         false => 4.0 * GRID,
@@ -37,7 +37,7 @@ pub(super) fn arranged<'a>(input: &'a PlotInput<'_>, inner: Rect, colours: &Colo
     let along_x = ticks(&figure.x, inner.width() - 8.0 * GRID, true);
     let along_y = ticks(&figure.y, inner.height() - below, false);
     let mut x_axis = hints(AxisHints::new_x(), colours, along_x);
-    // Axes with names need no title.
+    // An axis of names needs no title.
     if figure.x.names.is_empty() {
         let title = RichText::new(figure.x.title()).size(TEXT);
         x_axis = x_axis.label(title.color(colours.text));
@@ -71,7 +71,7 @@ pub(super) fn arranged<'a>(input: &'a PlotInput<'_>, inner: Rect, colours: &Colo
     plot
 }
 
-/// An axis with its ticks in a view.
+/// Axis with its ticks in a view.
 fn hints<'a>(
     hints: AxisHints<'a>,
     colours: &Colours,
@@ -88,14 +88,14 @@ fn hints<'a>(
         })
 }
 
-/// Where `egui_plot` draws lines and texts. The ticks have been chosen by their room: none is left out for a small step.
+/// Grid marks for `egui_plot`. The ticks were chosen by the available room, so none is omitted because of a small step.
 fn marks(ticks: Vec<Tick>, [low, high]: [f64; 2]) -> Vec<GridMark> {
     let step_size = high - low;
     let mark = |(value, _)| GridMark { value, step_size };
     ticks.into_iter().map(mark).collect()
 }
 
-/// Zooms by the wheel; over an axis only along that.
+/// Zooms by the wheel; over an axis only along that axis.
 pub(super) fn zoom_by_wheel(plot: &mut PlotUi<'_>, inner: Rect) {
     let (wheel, at) = plot
         .ctx()

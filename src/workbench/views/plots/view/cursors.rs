@@ -1,4 +1,4 @@
-//! Cursors A and B: lines at readings that can be dragged.
+//! Cursors A and B: draggable lines at readings.
 
 use egui::{Rect, Ui};
 use tautline_workflow::plot::Figure;
@@ -23,7 +23,7 @@ impl PlotView {
         };
     }
 
-    /// Whether a cursor is being dragged.
+    /// Grabs a cursor under the pointer; returns whether a cursor is being dragged.
     pub(super) fn grab(&mut self, ui: &Ui, outer: Rect) -> bool {
         let (is_down, from) = ui.input(|input| {
             let pointer = &input.pointer;
@@ -50,8 +50,8 @@ impl PlotView {
         }
     }
 
-    /// Values of all series at the cursors and their differences: for each column its heading, unit, and the values at A and
-    /// at B and B less A.
+    /// Values of all series at the cursors: for each column its heading, its unit, the values at A and at B, and B
+    /// minus A.
     pub(crate) fn readings(&self, figure: &Figure) -> Option<Vec<CursorColumn>> {
         let scale = &self.drawn.as_ref()?.scale;
         let [a, b] = self.cursors?;
@@ -84,7 +84,7 @@ impl PlotView {
     }
 }
 
-/// The values along x or of a series at both cursors, and their difference.
+/// Values along x or of a series at both cursors, and their difference.
 #[derive(Debug, PartialEq)]
 pub(crate) struct CursorColumn {
     pub(crate) title: String,
@@ -92,14 +92,14 @@ pub(crate) struct CursorColumn {
     pub(crate) values: [String; 3],
 }
 
-/// The reading nearest to a place along x.
+/// Position along x of the reading nearest to `x`.
 fn snapped(figure: &Figure, x: f64) -> Option<f64> {
     let nearest = figure.series.iter().filter_map(|one| closest(one, x));
     let nearest = nearest.map(|point| point.x);
     nearest.min_by(|a, b| (a - x).abs().total_cmp(&(b - x).abs()))
 }
 
-/// The point of a series nearest to a place along x.
+/// Point of a series nearest to a position along x.
 fn closest(series: &Series, x: f64) -> Option<&Point> {
     let points = series.points();
     let after = points.partition_point(|point| point.x < x);

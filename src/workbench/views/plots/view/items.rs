@@ -1,4 +1,4 @@
-//! What is drawn of a figure, in the order of painting.
+//! Items of a figure, in the order of painting.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -25,7 +25,7 @@ use crate::views::plots::sources::{POSE, TIME};
 /// Width of curves (points).
 const CURVE: f32 = 1.75;
 
-/// What shapes depend on.
+/// Inputs of the shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ShapesKey {
     generation: u64,
@@ -36,7 +36,7 @@ pub(super) struct ShapesKey {
     theme: Theme,
 }
 
-/// The points of a view: a picture of them where they are dense, and shapes.
+/// Points of a view: a picture of dense points, and shapes.
 pub(super) struct DrawnPoints {
     picture: Option<PictureTexture>,
     shapes: Vec<Shape>,
@@ -123,7 +123,7 @@ impl PlotView {
         }
     }
 
-    /// The points in view.
+    /// Points within the view.
     fn points(
         &self,
         ui: &Ui,
@@ -175,7 +175,7 @@ fn add_columns(plot: &mut PlotUi<'_>, columns: &Columns, colours: &Colours) {
     plot.bar_chart(chart.allow_hover(false));
 }
 
-/// The band of a curve in pieces where it is interrupted.
+/// Band of a curve, in pieces where it is interrupted.
 fn add_ribbon(plot: &mut PlotUi<'_>, ribbon: &Ribbon, colours: &Colours) {
     let fill = ribbon.ink.colour(colours).gamma_multiply(0.18);
     for piece in ribbon.pieces() {
@@ -185,7 +185,7 @@ fn add_ribbon(plot: &mut PlotUi<'_>, ribbon: &Ribbon, colours: &Colours) {
     }
 }
 
-/// A curve in pieces where it is interrupted.
+/// Curve, in pieces where it is interrupted.
 fn add_curve(plot: &mut PlotUi<'_>, curve: &Curve, colours: &Colours) {
     let style = match curve.dashed {
         true => LineStyle::dashed_dense(),
@@ -198,7 +198,7 @@ fn add_curve(plot: &mut PlotUi<'_>, curve: &Curve, colours: &Colours) {
     }
 }
 
-/// Where the selected pose stands, if poses or their times stand along x.
+/// Position of the selected pose, if x is an axis of poses or their times.
 fn pose_along(figure: &Figure, selection: Selection) -> Option<f64> {
     let pose = selection.pose?;
     if ![POSE, TIME].contains(&figure.x.label.as_str()) {
@@ -212,7 +212,7 @@ fn pose_along(figure: &Figure, selection: Selection) -> Option<f64> {
 
 type Paint<'a> = Box<dyn Fn(&Ui, &PlotTransform, &mut Vec<Shape>) + 'a>;
 
-/// An item painted by a function, for what `egui_plot` has no item for.
+/// Plot item painted by a function, for shapes without an item in `egui_plot`.
 struct Painted<'a> {
     base: PlotItemBase,
     paint: Paint<'a>,

@@ -1,5 +1,5 @@
-//! A figure in the window, drawn by `egui_plot`: axes, grid, panning, zoom, box zoom and linked axes are its own. Added are
-//! readings with bars, thinned to what can be seen, a legend beside the title, and cursors A and B.
+//! View of a figure with `egui_plot`, which provides axes, grid, panning, zoom, box zoom and linked axes. Added are
+//! readings with bars, thinned to the screen resolution, a legend beside the title, and cursors A and B.
 
 mod axes;
 mod cursors;
@@ -30,25 +30,25 @@ use axes::{arranged, zoom_by_wheel};
 pub(crate) use cursors::CursorColumn;
 use items::{DrawnPoints, ShapesKey};
 
-/// State of a plot between frames, beside the zoom, which `egui_plot` keeps by the identity of the plot.
+/// State of a plot between frames, except the zoom, which `egui_plot` stores by the id of the plot.
 #[derive(Debug, Default)]
 pub(crate) struct PlotView {
-    /// Names of the series, curves, bands and histograms that the legend has switched off.
+    /// Names of the series, curves, bands and histograms hidden by the legend.
     hidden: BTreeSet<String>,
-    /// Places of the cursors A and B along x, at readings, while they are shown.
+    /// Positions of the cursors A and B along x, at readings, while shown.
     pub(crate) cursors: Option<[f64; 2]>,
     grabbed: Option<usize>,
     resets: bool,
-    /// What was drawn last.
+    /// Geometry of the last frame.
     pub(crate) drawn: Option<Drawn>,
-    /// The heat map, which changes less often than frames are drawn.
+    /// Cached shapes of the heat map.
     heat: RefCell<Memo<ShapesKey, Vec<Shape>>>,
-    /// The points, likewise.
+    /// Cached shapes of the points.
     points: RefCell<Memo<ShapesKey, DrawnPoints>>,
     menu: Selection,
 }
 
-/// Displayed values, the rectangle of the data, and the size of the whole plot.
+/// Axis scale, rectangle of the data, and size of the whole plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Drawn {
     pub(crate) scale: Scale,
@@ -64,43 +64,43 @@ pub(crate) enum PlotEvent {
     Save(Format),
 }
 
-/// A plot of this frame.
+/// Inputs of a plot in a frame.
 pub(crate) struct PlotInput<'a> {
     /// Accessible name.
     pub(crate) name: &'a str,
-    /// The zoom belongs to this identity.
+    /// Id to which the zoom belongs.
     pub(crate) id: Id,
     pub(crate) figure: &'a Figure,
-    /// Changes with the figure.
+    /// Number that changes with the figure.
     pub(crate) generation: u64,
-    /// Displayed values unless zoomed.
+    /// Displayed range without zoom.
     pub(crate) whole: [[f64; 2]; 2],
     pub(crate) selection: Selection,
     pub(crate) size: Vec2,
-    /// Plots with the same link are zoomed and moved together along x.
+    /// Id of plots that are zoomed and panned together along x.
     pub(crate) link: Option<Id>,
-    /// Whether it is docked: the wheel zooms and poses can be excluded; a plot in a panel scrolls with it.
+    /// Whether the plot is docked: the wheel zooms and poses can be excluded. In a panel the wheel scrolls the panel.
     pub(crate) is_docked: bool,
-    /// Whether its menu offers to save it.
+    /// Whether the menu has entries for saving.
     pub(crate) can_be_saved: bool,
-    /// Whether its legend stands above the plots that it belongs to.
+    /// Whether the legend is above the linked plots.
     pub(crate) is_explained: bool,
 }
 
 #[derive(Debug, Default)]
 pub(crate) struct PlotOutput {
     pub(crate) events: Vec<PlotEvent>,
-    /// What is under the pointer, while it is over the plot.
+    /// Selection under the pointer, while it is over the plot.
     pub(crate) hovered: Option<Selection>,
 }
 
 impl PlotView {
-    /// Shows everything again.
+    /// Resets the zoom in the next frame.
     pub(crate) fn reset(&mut self) {
         self.resets = true;
     }
 
-    /// The figure without what the legend has switched off.
+    /// Figure without the items hidden by the legend.
     pub(crate) fn visible(&self, figure: &Figure) -> Figure {
         let mut visible = figure.clone();
         visible.series.retain(|one| !self.is_hidden(figure, one));
@@ -115,7 +115,7 @@ impl PlotView {
         visible
     }
 
-    /// Whether a series is switched off: by its own entry, or by that of its cable or of its set if it has none.
+    /// Whether a series is hidden: by its own entry, or by that of its cable or set if it has none.
     fn is_hidden(&self, figure: &Figure, series: &Series) -> bool {
         let of_set = series.name.split_once(": ").map(|(set, _)| set);
         let of_cable = figure.series.iter().find(|one| {
@@ -192,7 +192,7 @@ impl PlotView {
         self.respond(ui, &response, input, &scale, hit)
     }
 
-    /// Title of the y axis and the legend, whose entries switch what they stand for off and on; gives the lower edge.
+    /// Draws the title of the y axis and the legend, whose entries show and hide items; returns the lower edge.
     fn head(&mut self, ui: &Ui, input: &PlotInput<'_>, rect: Rect, colours: &Colours) -> f32 {
         let figure = input.figure;
         let mut canvas = Screen::new(ui.painter_at(rect));
@@ -341,7 +341,7 @@ mod tests {
     fn harness() -> Harness<'static, Seen> {
         let show = |ui: &mut Ui, seen: &mut Seen| {
             if ui.ctx().cumulative_pass_nr() == 0 {
-                // Fonts are there from the next frame on.
+                // Fonts are available from the next frame on.
                 theme::install(ui.ctx());
                 return;
             }

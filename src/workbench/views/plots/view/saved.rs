@@ -1,4 +1,4 @@
-//! A plot as a file, as it is seen now.
+//! Export of a plot with its present view.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::views::plots::print;
 use crate::views::plots::screen::{colours, text_width};
 
 impl PlotView {
-    /// The plot as a file; `None` before it was drawn.
+    /// Plot as a file; `None` before it was drawn.
     pub(crate) fn file(
         &self,
         ui: &Ui,
@@ -29,7 +29,7 @@ impl PlotView {
         Some(match format {
             Format::Csv => PlotFile::Text(csv(&figure, view)),
             Format::Svg => {
-                // On white, whatever the theme is.
+                // Always on white, whatever the theme.
                 let palette = theme::palette(Theme::Light);
                 let whole = Rect::from_min_size(Pos2::ZERO, drawn.size);
                 let layout = Layout::new(&figure, view, whole, &text_width(ui.painter()));

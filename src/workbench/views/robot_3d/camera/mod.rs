@@ -1,4 +1,4 @@
-//! The camera: where it is, what it sees, and where a point appears. Base frame, metres, radians.
+//! Camera: position, view and projection of points. Base frame, metres, radians.
 
 mod flight;
 mod moves;
@@ -8,13 +8,13 @@ pub use flight::Flight;
 use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
 
-/// Half the vertical opening angle, as its tangent.
+/// Tangent of half the vertical field of view.
 const HALF_OPENING: f64 = 0.315;
 
-/// Directions of the view's own frame in the base frame: columns to the right, away from the viewer, up.
+/// View directions in the base frame: columns to the right, away from the viewer, up.
 pub type Directions = Matrix3<f64>;
 
-/// Directions for a robot under `gravity`: up is the axis of the base frame that is most opposite to it.
+/// View directions for a robot under `gravity`: up is the axis of the base frame that is most opposite to gravity.
 #[must_use]
 pub fn directions(gravity: Vec3) -> Directions {
     let axis = gravity.iamax();
@@ -26,10 +26,10 @@ pub fn directions(gravity: Vec3) -> Directions {
     Matrix3::from_columns(&[right, up.cross(&right), up])
 }
 
-/// A view from a side that has a name.
+/// Named view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StandardView {
-    /// Looking away from the viewer, up is up.
+    /// From the front.
     Front,
     /// From the right.
     Side,
@@ -40,7 +40,7 @@ pub enum StandardView {
 }
 
 impl StandardView {
-    /// All, in the order of their keys.
+    /// All standard views, in the order of their keys.
     pub const ALL: [Self; 4] = [Self::Front, Self::Side, Self::Top, Self::Isometric];
 
     /// Label in the window.
@@ -66,12 +66,10 @@ impl StandardView {
     }
 }
 
-/// How depth shows in the picture.
+/// Projection of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
-    /// What is farther is smaller.
     Perspective,
-    /// Everything is at one scale.
     Orthographic,
 }
 
@@ -94,18 +92,18 @@ impl Projection {
     }
 }
 
-/// A line of sight.
+/// Line of sight.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
-    /// Where it begins (m).
+    /// Origin (m).
     pub origin: Vec3,
-    /// Its direction, unit vector.
+    /// Direction, unit vector.
     pub direction: Vec3,
 }
 
-/// Where a point is seen.
+/// Projection of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct ProjectedPoint {
     /// Share of the width from the left, 0 to 1 within the picture.
     pub u: f64,
     /// Share of the height from the top.
@@ -114,25 +112,25 @@ pub struct Seen {
     pub depth_m: f64,
 }
 
-/// A camera that looks at a point.
+/// Camera that looks at a target point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     directions: Directions,
     target: Vec3,
     yaw: f64,
     pitch: f64,
-    /// To the point in the middle; in an orthographic view what is seen is as high as it would be at that distance.
+    /// Distance to the target point; an orthographic view shows the same height as a perspective one at this distance.
     distance_m: f64,
-    /// How close the eye may come to a surface, and how far from it it may be.
+    /// Smallest distance from the eye to a surface, and largest.
     nearest_m: f64,
     farthest_m: f64,
     projection: Projection,
-    /// That of views that are not along an axis.
+    /// Projection of views that are not along an axis.
     oblique: Projection,
 }
 
 impl Camera {
-    /// The standard view `view` of everything in `points` (m), in a picture of the given width over height.
+    /// Standard view `view` of all `points` (m), for a picture with this width over height.
     #[must_use]
     pub fn new(directions: Directions, view: StandardView, points: &[Vec3], aspect: f64) -> Self {
         let mut camera = Self {
@@ -151,7 +149,7 @@ impl Camera {
         camera
     }
 
-    /// Right, up and forward of the picture in the base frame.
+    /// Axes of the picture in the base frame: right, up, forward.
     #[must_use]
     pub fn axes(&self) -> [Vec3; 3] {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
@@ -163,24 +161,23 @@ impl Camera {
         [right, up, forward].map(|axis| self.directions * axis)
     }
 
-    /// How depth shows.
     #[must_use]
     pub fn projection(&self) -> Projection {
         self.projection
     }
 
-    /// Shows depth in this way, also after the view is turned.
+    /// Sets the projection, also for later views.
     pub fn set_projection(&mut self, projection: Projection) {
         (self.projection, self.oblique) = (projection, projection);
     }
 
-    /// Where the eye is (m); that of an orthographic view is in front of everything.
+    /// Position of the eye (m); in an orthographic view, in front of everything.
     #[must_use]
     pub fn eye(&self) -> Vec3 {
         self.target - self.axes()[2] * self.away_m()
     }
 
-    /// From the eye to the point in the middle (m).
+    /// Distance from the eye to the target point (m).
     fn away_m(&self) -> f64 {
         match self.projection {
             Projection::Perspective => self.distance_m,
@@ -188,13 +185,13 @@ impl Camera {
         }
     }
 
-    /// Height of what is seen at the depth of the point in the middle (m).
+    /// Height of the picture at the depth of the target point (m).
     #[must_use]
     pub fn height_m(&self) -> f64 {
         2.0 * HALF_OPENING * self.distance_m
     }
 
-    /// Height of what is seen at a depth (m).
+    /// Height of the picture at a depth (m).
     #[must_use]
     pub fn height_at(&self, depth_m: f64) -> f64 {
         match self.projection {
@@ -203,7 +200,7 @@ impl Camera {
         }
     }
 
-    /// The line of sight through `(u, v)`, shares of width and height from the upper left corner.
+    /// Line of sight through `(u, v)`, shares of width and height from the upper left corner.
     #[must_use]
     pub fn ray(&self, (u, v): (f64, f64), aspect: f64) -> Ray {
         let [right, up, forward] = self.axes();
@@ -220,21 +217,21 @@ impl Camera {
         }
     }
 
-    /// Where `point` (m) is seen; `None` behind the eye.
+    /// Projection of `point` (m); `None` behind the eye.
     #[must_use]
-    pub fn project(&self, point: &Vec3, aspect: f64) -> Option<Seen> {
+    pub fn project(&self, point: &Vec3, aspect: f64) -> Option<ProjectedPoint> {
         let [right, up, forward] = self.axes();
         let d = point - self.eye();
         let depth_m = d.dot(&forward);
         let scale = self.height_at(depth_m).recip();
-        (depth_m > 0.01 * self.nearest_m).then(|| Seen {
+        (depth_m > 0.01 * self.nearest_m).then(|| ProjectedPoint {
             u: 0.5 + d.dot(&right) * scale / aspect,
             v: 0.5 - d.dot(&up) * scale,
             depth_m,
         })
     }
 
-    /// This camera for the graphics card; `radius_m` and `centre` bound everything that is drawn.
+    /// Camera for the graphics card; `radius_m` and `centre` bound the whole drawing.
     #[must_use]
     pub fn on_card(
         &self,
@@ -250,13 +247,13 @@ impl Camera {
                 let [eye, ahead, up] = looking(self.eye());
                 let opening = three_d::radians(2.0 * HALF_OPENING.atan() as f32);
                 let far = (middle + radius_m).max(2.0 * self.nearest_m);
-                // Nothing is cut off that the eye may come close to.
+                // The near plane never cuts off anything that the eye may approach.
                 let least = (2e-3 * far).min(0.2 * self.distance_m);
                 let [near, far] = [(middle - radius_m).max(least), far].map(|m| m as f32);
                 three_d::Camera::new_perspective(viewport, eye, ahead, up, opening, near, far)
             }
             Projection::Orthographic => {
-                // In front of everything but no farther, for the sake of single precision.
+                // In front of everything but as close as possible, for the sake of single precision.
                 let [eye, ahead, up] = looking(self.eye() + forward * (middle - radius_m));
                 let deep = 2.0 * radius_m.max(f64::MIN_POSITIVE) as f32;
                 let height = self.height_m() as f32;

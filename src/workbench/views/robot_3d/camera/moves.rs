@@ -1,23 +1,23 @@
-//! How the camera moves: orbit, pan, zoom, framing.
+//! Camera movements: orbit, pan, zoom, framing.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use tautline_core::geometry::Vec3;
 
-use super::{Camera, HALF_OPENING, Projection, Seen, StandardView};
+use super::{Camera, HALF_OPENING, ProjectedPoint, Projection, StandardView};
 
-/// Radians per point of dragging.
+/// Rotation per point of dragging (rad).
 const ORBIT_RATE: f64 = 0.008;
-/// Share of the picture that stays free around what is framed.
+/// Share of the picture filled by framed points.
 const MARGIN: f64 = 0.88;
-/// Share of the size of everything to which the eye may come close to a surface.
+/// Smallest distance of the eye from a surface, as a share of the size of everything.
 const CLOSEST: f64 = 2e-3;
-/// How many times the size of everything the eye may be away.
+/// Largest distance of the eye, as a multiple of the size of everything.
 const FARTHEST: f64 = 20.0;
 
 impl Camera {
-    /// Turns to a standard view; the point in the middle stays. Views along an axis are orthographic, so that what is
-    /// behind each other is seen at the same scale.
+    /// Turns to a standard view about the target point. Views along an axis are orthographic, so that near and far
+    /// parts have the same scale.
     pub fn turn_to(&mut self, view: StandardView) {
         (self.yaw, self.pitch) = view.angles();
         self.projection = match view {
@@ -28,7 +28,7 @@ impl Camera {
         };
     }
 
-    /// Turns so that the eye looks along `direction` (base frame), in perspective; the point in the middle stays.
+    /// Turns the view along `direction` (base frame), in perspective; the target point stays.
     pub fn look_along(&mut self, direction: &Vec3) {
         let Some(forward) = (self.directions.transpose() * direction).try_normalize(0.0) else {
             return;
@@ -40,8 +40,7 @@ impl Camera {
         self.projection = Projection::Perspective;
     }
 
-    /// Shows all of `points` (m) as large as possible and takes them for everything there is: their size says how close
-    /// and how far the eye may go.
+    /// Frames all of `points` (m) and takes them as the whole scene: their size sets the range of distances of the eye.
     pub fn fit(&mut self, points: &[Vec3], aspect: f64) {
         let Some((_, size)) = self.middle_and_size(points) else {
             return;
@@ -50,13 +49,13 @@ impl Camera {
         self.frame(points, aspect);
     }
 
-    /// Shows all of `points` (m), a part of everything, as large as possible.
+    /// Frames `points` (m), a part of the scene.
     pub fn frame(&mut self, points: &[Vec3], aspect: f64) {
         let Some((middle, _)) = self.middle_and_size(points) else {
             return;
         };
         self.target = middle;
-        // Perspective moves the middle of what is seen; a few rounds settle it.
+        // Perspective shifts the apparent centre; a few iterations converge.
         for _ in 0..6 {
             self.distance_m = self.distance_to_see(points, aspect);
             self.centre(points, aspect);
@@ -64,7 +63,8 @@ impl Camera {
         self.distance_m = self.distance_to_see(points, aspect);
     }
 
-    /// Middle of the box around `points` along the axes of the picture, and its longest side (m); `None` without points.
+    /// Centre of the box around `points` along the axes of the picture, and its longest side (m); `None` without
+    /// points.
     fn middle_and_size(&self, points: &[Vec3]) -> Option<(Vec3, f64)> {
         let axes = self.axes();
         let mut low = Vec3::repeat(f64::INFINITY);
@@ -98,11 +98,11 @@ impl Camera {
     }
 
     fn centre(&mut self, points: &[Vec3], aspect: f64) {
-        let seen: Vec<Seen> = points
+        let seen: Vec<ProjectedPoint> = points
             .iter()
             .filter_map(|p| self.project(p, aspect))
             .collect();
-        let range = |value: fn(&Seen) -> f64| {
+        let range = |value: fn(&ProjectedPoint) -> f64| {
             let (low, high) = seen
                 .iter()
                 .map(value)
@@ -120,8 +120,8 @@ impl Camera {
         self.target += right * (u * height * aspect) - up * (v * height);
     }
 
-    /// Orbits by a drag of so many points to the right and down, about `pivot` (m), which stays where it is in the picture,
-    /// or about the middle of the picture. A view along an axis becomes one as it was chosen for others.
+    /// Orbits by a drag to the right and down (points) about `pivot` (m), which stays in place, or about the centre of
+    /// the picture. A view along an axis returns to the projection of oblique views.
     pub fn orbit(&mut self, right: f64, down: f64, pivot: Option<Vec3>) {
         self.projection = self.oblique;
         let pivot = pivot.unwrap_or(self.target);
@@ -135,15 +135,15 @@ impl Camera {
         self.target = eye + after[2] * self.away_m();
     }
 
-    /// Moves the picture by shares of its height; the point in the middle's depth stays under the pointer.
+    /// Pans by shares of the height of the picture; the depth of the target point follows the pointer.
     pub fn pan(&mut self, right: f64, down: f64) {
         let [x, y, _] = self.axes();
         let height = self.height_m();
         self.target += (y * down - x * right) * height;
     }
 
-    /// Comes closer by `factor` to `under`, the nearest thing seen at `(u, v)` (m), or to the depth of the middle where
-    /// nothing is seen. It stays under the pointer, and the eye never reaches it.
+    /// Zooms by `factor` towards `under`, the nearest surface at `(u, v)` (m), or towards the depth of the target
+    /// point. It stays under the pointer, and the eye never reaches it.
     pub fn zoom(&mut self, factor: f64, (u, v): (f64, f64), aspect: f64, under: Option<Vec3>) {
         let [right, up, forward] = self.axes();
         if self.projection == Projection::Orthographic {
@@ -160,7 +160,7 @@ impl Camera {
         let steepness = ray.direction.dot(&forward);
         let depth = under.map_or(self.distance_m, |point| (point - eye).dot(&forward));
         let away = depth.max(f64::MIN_POSITIVE) / steepness;
-        // Who is closer already does not jump back.
+        // An eye that is closer already does not jump back.
         let closest = self.nearest_m.min(away);
         let wanted = (away / factor).clamp(closest, self.farthest_m.max(away));
         let eye = eye + ray.direction * (away - wanted);

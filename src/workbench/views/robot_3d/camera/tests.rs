@@ -1,4 +1,4 @@
-//! The camera as geometry.
+//! Geometry of the camera.
 
 use super::*;
 
@@ -55,7 +55,7 @@ fn the_card_sees_what_the_pointer_sees() {
             let [x, y, z] = point.map(|v| v as f32).into();
             let c = card.projection() * card.view() * three_d::vec4(x, y, z, 1.0);
             let seen = camera.project(&point, 1.6).unwrap();
-            // The card's numbers have single precision: a thousandth of a pixel.
+            // Single precision of the graphics card: a thousandth of a pixel.
             assert!((f64::from(c.x / c.w) - (2.0 * seen.u - 1.0)).abs() < 1e-6);
             assert!((f64::from(c.y / c.w) - (1.0 - 2.0 * seen.v)).abs() < 1e-6);
             assert!((-1.0..=1.0).contains(&(c.z / c.w)), "{view:?}");

@@ -1,4 +1,4 @@
-//! What a pulley may be off, drawn around its nominal place: where the drawing has it, and the tolerance.
+//! Bands around the nominal position of a pulley: 95 % region of the drawing, and tolerance.
 
 use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
@@ -6,28 +6,28 @@ use tautline_core::geometry::Vec3;
 use super::options::{ArrowColour, Options};
 use super::{Drawing, region};
 use crate::theme::Palette;
-use crate::views::robot_3d::parts::{Part, paint};
+use crate::views::robot_3d::parts::{SolidPart, paint};
 use crate::views::robot_3d::scene::{Besides, CableView, Scene};
 
-/// Opacity of bands, through which everything else is seen.
+/// Opacity of bands.
 const OPACITY: f32 = 0.1;
 
-/// A region around the nominal place.
+/// Region around the nominal position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Band {
-    /// Where the pulley is with 95 % probability by the drawing alone.
+    /// 95 % region of the pulley from the drawing alone.
     Prior,
-    /// Where it may be.
+    /// Tolerance of the displacement.
     Tolerance,
 }
 
 impl Band {
-    /// All, the larger one first as a rule.
+    /// All bands, usually the larger one first.
     pub const ALL: [Self; 2] = [Self::Prior, Self::Tolerance];
 }
 
-/// Takes the unit sphere to a band of a cable's pulley; `None` where it is not drawn. The pulley that is inspected has all
-/// that are known, the others their tolerance where displacements are coloured by it.
+/// Transformation from the unit sphere to a band of a cable's pulley; `None` if it is not drawn. The inspected pulley
+/// has all known bands, the others only their tolerance while displacements are coloured by it.
 #[must_use]
 pub fn band(band: Band, scene: &Scene, index: usize, options: &Options) -> Option<Matrix3<f64>> {
     let cable = scene.cables.get(index)?;
@@ -36,7 +36,7 @@ pub fn band(band: Band, scene: &Scene, index: usize, options: &Options) -> Optio
         Some(inspected) => inspected == index,
         None => options.arrow_colour_of(scene) == ArrowColour::Tolerance,
     };
-    // Neither is known of the pulleys of another session.
+    // Neither is known for the pulleys of another session.
     if scene.besides != Besides::Drawing || !is_asked || cable.moved.is_none() {
         return None;
     }
@@ -50,7 +50,7 @@ pub fn band(band: Band, scene: &Scene, index: usize, options: &Options) -> Optio
     }
 }
 
-/// The region of the drawing: unknown where a coordinate is.
+/// 95 % region of the drawing; `None` if a coordinate has no tolerance.
 fn prior(cable: &CableView) -> Option<Matrix3<f64>> {
     let [Some(x), Some(y), Some(z)] = cable.prior_sd_m else {
         return None;
@@ -74,7 +74,7 @@ pub fn band_colour(band: Band, palette: &Palette) -> egui::Color32 {
 }
 
 impl Drawing {
-    /// The bands of a cable's pulley.
+    /// Draws the bands of a cable's pulley.
     pub(super) fn bands(
         &mut self,
         scene: &Scene,
@@ -89,7 +89,7 @@ impl Drawing {
             if let Some(shape) = band(one, scene, index, options) {
                 let colour = paint(band_colour(one, palette), OPACITY);
                 self.glass
-                    .push(Part::ellipsoid(&moved.from, &shape, colour));
+                    .push(SolidPart::ellipsoid(&moved.from, &shape, colour));
             }
         }
     }
@@ -101,11 +101,11 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::views::robot_3d::scene::{Displacement, Subject};
+    use crate::views::robot_3d::scene::{Displacement, SceneInputs};
 
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
-        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         scene.besides = Besides::Drawing;
         scene.tolerance_m = Some(2e-3);
         for cable in &mut scene.cables {

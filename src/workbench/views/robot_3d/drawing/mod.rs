@@ -1,4 +1,5 @@
-//! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
+//! Drawing of a scene in the colours of a theme: triangles, lines and points for the graphics card, independent of the
+//! camera.
 
 mod bands;
 mod colours;
@@ -20,40 +21,40 @@ pub use colours::{
 pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
 
-use super::parts::{Part, paint};
-use super::scene::{Besides, CableView, Displacement, Placed, Scene, Wheel};
+use super::parts::{SolidPart, paint};
+use super::scene::{Besides, CableView, Displacement, PlacedCable, Scene, Wheel};
 use crate::model::Selection;
 use crate::theme::{self, Palette};
 
-/// Opacity of the pulleys shown besides.
+/// Opacity of the second set of pulleys.
 const GHOST: f32 = 0.3;
-/// Opacity of the pulley that is inspected, and of one that moved in the other session.
+/// Opacity of the inspected pulley, and of one that moved in the other session.
 const INSPECTED: f32 = 0.55;
-/// Length of an arrow's head, at most, in sizes of the frame.
+/// Largest length of an arrow's head, in sizes of the frame.
 const ARROW: f64 = 0.016;
 /// Opacity of ellipsoids.
 const ELLIPSOID: f32 = 0.28;
-/// Opacity of what is there for orientation only.
+/// Opacity of parts for orientation only.
 const THIN: f32 = 0.13;
 
-/// Everything to be drawn.
+/// All parts of a drawing.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Drawing {
     /// Opaque parts.
-    pub solids: Vec<Part>,
-    /// Parts to look through.
-    pub glass: Vec<Part>,
+    pub solids: Vec<SolidPart>,
+    /// Translucent parts.
+    pub glass: Vec<SolidPart>,
     pub lines: Lines,
     pub points: Points,
     /// Planned and measured poses.
     pub poses: Arc<Points>,
-    /// Colour behind everything.
+    /// Background colour.
     pub ground: Color32,
     /// Centre (m) and radius (m) of a sphere around everything.
     pub bounds: (Vec3, f64),
 }
 
-/// How a cable and its pulley are drawn.
+/// Appearance of a cable and its pulley.
 #[derive(Debug, Clone, Copy)]
 struct CableLook {
     colour: Color32,
@@ -62,7 +63,7 @@ struct CableLook {
     is_inspected: bool,
 }
 
-/// A colour that steps back.
+/// Faded colour.
 fn faded(colour: Color32, palette: &Palette) -> Color32 {
     colour.lerp_to_gamma(palette.ground, 0.72)
 }
@@ -74,7 +75,7 @@ pub fn cable_width(is_selected: bool) -> f32 {
 }
 
 impl Drawing {
-    /// The scene in the colours of `theme`.
+    /// Drawing of the scene in the colours of `theme`.
     #[must_use]
     pub fn new(scene: &Scene, options: &Options, selection: Selection, theme: Theme) -> Self {
         let points = || Points::of_poses(scene, selection, theme);
@@ -82,7 +83,7 @@ impl Drawing {
         Self::with_poses(Arc::new(poses), scene, options, selection, theme)
     }
 
-    /// The scene in the colours of `theme`, with these points of its poses.
+    /// Drawing of the scene in the colours of `theme`, with existing points for its poses.
     #[must_use]
     pub fn with_poses(
         poses: Arc<Points>,
@@ -139,12 +140,12 @@ impl Drawing {
                 FrameLook::Solid => {
                     let colour = paint(palette.frame, 1.0);
                     self.solids
-                        .extend(Part::beam(*member, frame.member_m, colour));
+                        .extend(SolidPart::beam(*member, frame.member_m, colour));
                 }
                 FrameLook::Transparent => {
                     let colour = paint(palette.frame, THIN);
                     self.glass
-                        .extend(Part::beam(*member, frame.member_m, colour));
+                        .extend(SolidPart::beam(*member, frame.member_m, colour));
                 }
                 FrameLook::Hidden => {}
             }
@@ -158,11 +159,11 @@ impl Drawing {
         let corners = scene.platform.corners(&scene.pose);
         if options.inspected.is_some() {
             self.glass
-                .push(Part::cuboid(&corners, paint(palette.platform, THIN)));
+                .push(SolidPart::cuboid(&corners, paint(palette.platform, THIN)));
             return;
         }
         self.solids
-            .push(Part::cuboid(&corners, paint(palette.platform, 1.0)));
+            .push(SolidPart::cuboid(&corners, paint(palette.platform, 1.0)));
         let edge = palette.platform.lerp_to_gamma(palette.ground, 0.5);
         for axis in 0..3 {
             for k in (0..8).filter(|k| k >> axis & 1 == 0) {
@@ -177,7 +178,7 @@ impl Drawing {
         }
     }
 
-    fn cable(&mut self, placed: &Placed, look: CableLook) {
+    fn cable(&mut self, placed: &PlacedCable, look: CableLook) {
         for ends in placed.path.windows(2) {
             if let [from, to] = ends {
                 let width = cable_width(look.is_selected);
@@ -192,21 +193,22 @@ impl Drawing {
         }
     }
 
-    /// A pulley at its size; a disc stands for it where it would be too small to be seen.
+    /// Draws a pulley to scale, or a disc if it would be too small to see.
     fn wheel(&mut self, wheel: &Wheel, colour: Color32) {
         if wheel.radius_m > 0.0 {
-            self.solids.push(Part::wheel(wheel, paint(colour, 1.0)));
+            self.solids
+                .push(SolidPart::wheel(wheel, paint(colour, 1.0)));
         }
         self.points
             .push(&wheel.centre, colour, [9.0, 0.0, wheel.radius_m as f32]);
     }
 
-    /// A pulley to look through, with its outline.
+    /// Draws a translucent pulley with its outline.
     fn glass_wheel(&mut self, wheel: &Wheel, colour: Color32, opacity: f32) {
         if wheel.radius_m > 0.0 {
             let ink = paint(colour, opacity);
-            self.glass.push(Part::wheel(wheel, ink));
-            let outline = Part::disc(&wheel.centre, &wheel.normal, wheel.radius_m, ink);
+            self.glass.push(SolidPart::wheel(wheel, ink));
+            let outline = SolidPart::disc(&wheel.centre, &wheel.normal, wheel.radius_m, ink);
             for side in outline.rim() {
                 self.lines.push(side, colour, 1.2);
             }
@@ -218,7 +220,7 @@ impl Drawing {
     fn pulley(
         &mut self,
         cable: &CableView,
-        placed: &Placed,
+        placed: &PlacedCable,
         look: CableLook,
         (scene, options): (&Scene, &Options),
         palette: &Palette,
@@ -245,7 +247,7 @@ impl Drawing {
         let tip = moved.from + moved.by * exaggeration;
         let colour = options.arrow_colour_of(scene);
         let ink = tone(arrow_colour(moved, colour, scene, palette));
-        // The path of a pulley has more to tell than the way from its first place to the chosen one.
+        // The path of a pulley replaces the straight displacement between two dates.
         let has_path = look.is_selected && scene.paths.is_some();
         if options.arrows && !has_path {
             let most_m = match look.is_inspected {
@@ -259,11 +261,11 @@ impl Drawing {
         {
             let ink = if look.is_inspected { look.colour } else { ink };
             let colour = paint(ink, ELLIPSOID);
-            self.glass.push(Part::ellipsoid(&tip, &shape, colour));
+            self.glass.push(SolidPart::ellipsoid(&tip, &shape, colour));
         }
     }
 
-    /// An arrow whose head is at most so long.
+    /// Draws an arrow with this largest length of its head.
     fn arrow(&mut self, from: &Vec3, tip: &Vec3, head_m: f64, colour: Color32) {
         let length = (tip - from).norm();
         let Some(direction) = (tip - from).try_normalize(1e-9) else {
@@ -273,10 +275,10 @@ impl Drawing {
         let shaft = [*from, tip - direction * (0.8 * head)];
         self.lines.push(shaft, colour, 2.2);
         self.solids
-            .extend(Part::cone(tip, &direction, head, paint(colour, 1.0)));
+            .extend(SolidPart::cone(tip, &direction, head, paint(colour, 1.0)));
     }
 
-    /// Where the platform has been, the longer ago the fainter.
+    /// Draws the trail of the platform, older parts fainter.
     fn trail(&mut self, scene: &Scene, palette: &Palette) {
         let last = scene.trail.len().saturating_sub(1).max(1) as f32;
         let now = scene.pose.position;
@@ -289,7 +291,7 @@ impl Drawing {
         }
     }
 
-    /// Arrows from where the platform was sent to where it was.
+    /// Draws arrows from the commanded to the measured positions.
     fn errors(&mut self, scene: &Scene, options: &Options, palette: &Palette) {
         let exaggeration = options.exaggeration_of(scene);
         for error in scene.errors.iter().filter(|_| options.errors) {
@@ -308,7 +310,7 @@ impl Drawing {
             self.lines.push([laser.from, end], palette.laser, 1.6);
             if let Some(spot) = &laser.spot {
                 let target = paint(palette.laser, 0.18);
-                let target = Part::disc(spot, &laser.normal, 0.022 * size, target);
+                let target = SolidPart::disc(spot, &laser.normal, 0.022 * size, target);
                 self.glass.push(target);
                 for side in target.rim() {
                     self.lines.push(side, palette.laser, 1.2);
@@ -323,14 +325,14 @@ impl Drawing {
     }
 }
 
-/// Takes the unit sphere to the ellipsoid in which the pulley is with 95 % probability, so many times too large.
+/// Transformation from the unit sphere to the 95 % ellipsoid of a pulley, exaggerated by a factor.
 #[must_use]
 pub fn ellipsoid(moved: &Displacement, exaggeration: f64) -> Option<Matrix3<f64>> {
     region(&moved.covariance?, exaggeration)
 }
 
-/// Takes the unit sphere to the 95 % region of a covariance (m^2), so many times too large: `d^T P^-1 d = q` with the 95 %
-/// point `q` of chi-square for as many coordinates as have a variance.
+/// Transformation from the unit sphere to the 95 % region of a covariance (m^2), exaggerated by a factor:
+/// `d^T P^-1 d = q` with the 95 % point `q` of chi-square for as many coordinates as have a variance.
 fn region(covariance: &Matrix3<f64>, exaggeration: f64) -> Option<Matrix3<f64>> {
     let known = covariance.diagonal().iter().filter(|v| **v > 0.0).count();
     let quantile: f64 = match known {
@@ -341,7 +343,7 @@ fn region(covariance: &Matrix3<f64>, exaggeration: f64) -> Option<Matrix3<f64>> 
     let eigen = SymmetricEigen::new(*covariance);
     let scale = exaggeration * quantile.sqrt();
     let axes = eigen.eigenvalues.map(|v| scale * v.max(0.0).sqrt());
-    // A flat ellipsoid is drawn with a thickness.
+    // A flat ellipsoid gets a thickness.
     let least = 0.02 * axes.max();
     (axes.max() > 0.0 && axes.iter().all(|a| a.is_finite()))
         .then(|| eigen.eigenvectors * Matrix3::from_diagonal(&axes.map(|a| a.max(least))))

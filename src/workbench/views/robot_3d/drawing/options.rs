@@ -1,4 +1,4 @@
-//! What is drawn, and how.
+//! Options of the 3D view.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,11 @@ use crate::views::robot_3d::scene::Scene;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum CableColour {
-    /// Every cable has its own.
+    /// A colour for each cable.
     #[default]
     Own,
     Tension,
-    /// By the residual of its length.
+    /// By the residual of the cable's length.
     Residual,
 }
 
@@ -29,15 +29,15 @@ impl CableColour {
         }
     }
 }
-/// By what displacements are coloured.
+/// Colouring of displacements.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ArrowColour {
-    /// By whether they exceed their uncertainty.
+    /// By significance.
     #[default]
     Significance,
-    /// By how long they are.
+    /// By length.
     Length,
-    /// By whether they are within the tolerance of the certificate.
+    /// By conformity with the tolerance of the certificate.
     Tolerance,
 }
 
@@ -55,13 +55,11 @@ impl ArrowColour {
     }
 }
 
-/// How the frame is drawn.
+/// Appearance of the frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FrameLook {
-    /// Its members hide what is behind them.
     #[default]
     Solid,
-    /// What is behind them can be seen.
     Transparent,
     Hidden,
 }
@@ -80,33 +78,33 @@ impl FrameLook {
     }
 }
 
-/// What is drawn and how.
+/// Options of the 3D view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     pub colour: CableColour,
-    /// By what displacements are coloured.
+    /// Colouring of displacements.
     pub arrow_colour: ArrowColour,
-    /// How many times larger than they are displacements and ellipsoids are drawn; by default as suits the scene.
+    /// Exaggeration factor of displacements and ellipsoids; by default chosen for the scene.
     pub exaggeration: Option<f64>,
-    /// How the frame is drawn.
+    /// Appearance of the frame.
     pub frame: FrameLook,
-    /// Pulleys shown besides, of the drawing or another session.
+    /// Whether the second set of pulleys is shown, of the drawing or another session.
     pub nominal: bool,
-    /// How the two differ.
+    /// Whether displacements are shown.
     pub arrows: bool,
-    /// Where pulleys are with 95 % confidence.
+    /// Whether 95 % ellipsoids of the pulleys are shown.
     pub ellipsoids: bool,
-    /// Errors of position before and after the adjustment, in the phase that measures them.
+    /// Whether errors of position before and after the adjustment are shown, in the phase that measures them.
     pub errors: bool,
-    /// Measured and planned poses.
+    /// Whether measured and planned poses are shown.
     pub poses: bool,
-    /// Numbers of the cables.
+    /// Whether cable numbers are shown.
     pub labels: bool,
-    /// Whether what is pinned is shown.
+    /// Whether pinned coordinates are shown.
     pub callouts: bool,
-    /// Pulleys, by the index of their cable, whose coordinates are written beside them.
+    /// Pulleys with pinned coordinates, by the index of their cable.
     pub pinned: BTreeSet<usize>,
-    /// The pulley, by the index of its cable, that is inspected: everything else fades, and it is drawn true to scale.
+    /// Inspected pulley, by the index of its cable: it is drawn true to scale, everything else fades.
     pub inspected: Option<usize>,
 }
 
@@ -131,7 +129,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Pins the coordinates of a pulley, or takes them away.
+    /// Pins the coordinates of a pulley, or unpins them.
     pub fn pin(&mut self, cable: usize) {
         if !self.pinned.remove(&cable) {
             self.pinned.insert(cable);
@@ -139,7 +137,7 @@ impl Options {
         }
     }
 
-    /// By what displacements of a scene are coloured: without a tolerance not by it.
+    /// Colouring of the displacements of a scene; without a tolerance not by conformity.
     #[must_use]
     pub fn arrow_colour_of(&self, scene: &Scene) -> ArrowColour {
         match (self.arrow_colour, scene.tolerance_m) {
@@ -148,7 +146,7 @@ impl Options {
         }
     }
 
-    /// How many times larger than they are displacements and ellipsoids of a scene are drawn.
+    /// Exaggeration factor of displacements and ellipsoids of a scene.
     #[must_use]
     pub fn exaggeration_of(&self, scene: &Scene) -> f64 {
         if self.inspected.is_some() {
@@ -158,7 +156,7 @@ impl Options {
             .unwrap_or_else(|| scene.fitting_exaggeration())
     }
 
-    /// Where the displacements of a scene end and the paths of its pulleys are as they are drawn (m).
+    /// Ends of the displacements of a scene and points of its pulleys' paths, as drawn (m).
     #[must_use]
     pub fn tips(&self, scene: &Scene) -> Vec<Vec3> {
         let exaggeration = self.exaggeration_of(scene);
@@ -169,8 +167,7 @@ impl Options {
         tips.chain(paths).collect()
     }
 
-    /// Whether a cable with its pulley steps back behind others: those that are not inspected, or that did not move where
-    /// others did.
+    /// Whether a cable with its pulley fades: if another one is inspected, or if it did not move while others did.
     #[must_use]
     pub fn fades(&self, scene: &Scene, cable: usize) -> bool {
         match self.inspected {

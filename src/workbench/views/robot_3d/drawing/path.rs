@@ -1,4 +1,4 @@
-//! The path of the selected pulley over several dates.
+//! Path of the selected pulley over several dates.
 
 use egui::Color32;
 
@@ -10,25 +10,25 @@ use crate::views::robot_3d::scene::Scene;
 
 /// Width of the path (points of the screen).
 const WIDTH: f32 = 2.6;
-/// Diameter of a date, of the one that is shown, and the width of its ring (points of the screen).
+/// Diameter of a date, of the shown date, and width of its ring (points of the screen).
 const DATE: f32 = 6.0;
 const SHOWN: f32 = 14.0;
 const RING: f32 = 2.5;
 
-/// The cable whose pulley's path is drawn.
+/// Cable whose pulley's path is drawn.
 fn cable_with_path(scene: &Scene, options: &Options, selection: Selection) -> Option<usize> {
     let cable = selection.cable.filter(|_| options.arrows)?;
     let known = scene.paths.as_ref()?.by.get(cable)?;
     (options.inspected.is_none() && known.len() > 1).then_some(cable)
 }
 
-/// Colours of the path until the date that is shown, and after it.
+/// Colours of the path until the shown date, and after it.
 fn path_colours(palette: &Palette) -> [Color32; 2] {
     [palette.accent, faded(palette.accent, palette)]
 }
 
 impl Drawing {
-    /// The path of the selected pulley: a point for each date, a ring around the one that is shown.
+    /// Draws the path of the selected pulley: a point for each date, with a ring around the shown one.
     pub(super) fn path(
         &mut self,
         scene: &Scene,
@@ -64,11 +64,11 @@ mod tests {
 
     use super::*;
     use crate::theme;
-    use crate::views::robot_3d::scene::{Displacement, PulleyPaths, SideNames, Subject};
+    use crate::views::robot_3d::scene::{Displacement, PulleyPaths, SceneInputs, SideNames};
 
     const CABLE: usize = 2;
 
-    /// MINI, whose third pulley moves along x at the second date and along z at the third; the second one is shown.
+    /// MINI, whose third pulley moves along x at the second date and along z at the third; the second date is shown.
     fn scene(date: usize) -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
         let names = SideNames {
@@ -90,7 +90,7 @@ mod tests {
         });
         let displacements: Vec<Displacement> = displacements.collect();
         let nothing = Measurements::default();
-        let mut scene = Subject::new(&robot, &nothing).scene();
+        let mut scene = SceneInputs::new(&robot, &nothing).scene();
         scene = scene.beside(names, displacements);
         scene.paths = Some(PulleyPaths { by, date });
         scene
@@ -111,7 +111,7 @@ mod tests {
         let places = [[0.0, 0.0], [2e-3, 0.0], [2e-3, 5e-3]]
             .map(|[x, z]| entry + magnification * Vec3::new(x, 0.0, z))
             .map(|place| [place.x as f32, place.y as f32, place.z as f32]);
-        // Two ways instead of the shaft of the arrow.
+        // Two segments instead of the shaft of the arrow.
         assert_eq!(with.lines.from.len(), without.lines.from.len() + 1);
         let ways = with.lines.from.iter().zip(&with.lines.to);
         let ways: Vec<_> = ways.map(|(from, to)| [*from, *to]).collect();

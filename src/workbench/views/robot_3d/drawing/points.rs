@@ -1,4 +1,4 @@
-//! Lines, and discs and rings of constant size; poses as such.
+//! Lines, discs and rings of constant screen size; points of the poses.
 
 use egui::{Color32, Theme};
 use tautline_core::geometry::Vec3;
@@ -7,15 +7,15 @@ use crate::model::Selection;
 use crate::theme;
 use crate::views::robot_3d::scene::{MeasuredPose, Scene};
 
-/// Most poses that are drawn while the camera moves.
+/// Largest number of poses drawn while the camera moves.
 const COARSE: usize = 3000;
 
-/// A vector as the graphics card takes it.
+/// Vector for the graphics card.
 fn single(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-/// An opaque colour as the graphics card takes it.
+/// Opaque colour for the graphics card.
 fn rgba(colour: Color32) -> [f32; 4] {
     let [r, g, b, _] = colour.to_array().map(|c| f32::from(c) / 255.0);
     [r, g, b, 1.0]
@@ -24,9 +24,9 @@ fn rgba(colour: Color32) -> [f32; 4] {
 /// Lines of constant width.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Lines {
-    /// Begin (m).
+    /// Start points (m).
     pub from: Vec<[f32; 3]>,
-    /// End (m).
+    /// End points (m).
     pub to: Vec<[f32; 3]>,
     pub colours: Vec<[f32; 4]>,
     /// Width (points of the screen).
@@ -42,21 +42,21 @@ impl Lines {
     }
 }
 
-/// Discs and rings of constant size.
+/// Discs and rings of constant screen size.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Points {
     /// Centre (m).
     pub centres: Vec<[f32; 3]>,
     pub colours: Vec<[f32; 4]>,
-    /// Diameter and width of the ring, 0 for a disc (points of the screen); radius (m) that replaces the point once it
-    /// is seen larger, 0 for none.
+    /// Diameter and width of the ring, 0 for a disc (points of the screen); radius (m) of the object that replaces the
+    /// point once it appears larger, 0 for none.
     pub looks: Vec<[f32; 3]>,
-    /// Number of points, from the first, that are drawn while the camera moves, where these are poses.
+    /// Number of points, from the first, that are drawn while the camera moves, if these are poses.
     pub coarse: usize,
 }
 
 impl Points {
-    /// The poses of a scene; those that are drawn while the camera moves come first.
+    /// Points of the poses of a scene; those drawn while the camera moves come first.
     #[must_use]
     pub fn of_poses(scene: &Scene, selection: Selection, theme: Theme) -> Self {
         let palette = theme::palette(theme);
@@ -93,7 +93,7 @@ impl Points {
     }
 }
 
-/// Diameter of a measured pose's point among so many (points of the screen).
+/// Diameter of the point of a measured pose, for a number of poses (points of the screen).
 #[must_use]
 pub fn pose_size(count: usize) -> f32 {
     match count {
@@ -103,8 +103,8 @@ pub fn pose_size(count: usize) -> f32 {
     }
 }
 
-/// Which poses are drawn while the camera moves: all if they are few, else those with the largest residuals and every
-/// so many of the others.
+/// Selects the poses drawn while the camera moves: all if they are few, otherwise those with the largest residuals and
+/// every n-th of the others.
 fn coarse(poses: &[MeasuredPose]) -> Vec<bool> {
     if poses.len() <= COARSE {
         return vec![true; poses.len()];
@@ -126,7 +126,7 @@ mod tests {
 
     use super::*;
     use crate::views::robot_3d::drawing::{Drawing, Options};
-    use crate::views::robot_3d::scene::{MeasuredPoses, Subject};
+    use crate::views::robot_3d::scene::{MeasuredPoses, SceneInputs};
 
     fn poses(count: i64) -> Vec<MeasuredPose> {
         let pose = |label: i64| MeasuredPose {
@@ -158,7 +158,7 @@ mod tests {
     fn once_the_camera_rests_every_pose_is_drawn() {
         let robot = tautline_core::robot::presets::find("mini").unwrap().robot;
         let nothing = tautline_core::measurement::Measurements::default();
-        let mut scene = Subject::new(&robot, &nothing).scene();
+        let mut scene = SceneInputs::new(&robot, &nothing).scene();
         let draw = |scene: &Scene| {
             let drawing = Drawing::new(
                 scene,

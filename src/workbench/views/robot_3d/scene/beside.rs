@@ -1,12 +1,12 @@
-//! A second session shown beside the first.
+//! Second session beside the first.
 
 use tautline_core::comparison::Comparison;
 
 use super::{Besides, Displacement, Scene, SideNames, Wheel};
 
 impl Scene {
-    /// Adds the second geometry of a comparison to a scene of the first. The common motion is taken
-    /// out: the home pose of the first session holds for both.
+    /// Adds the second geometry of a comparison to a scene of the first. The common motion is removed: the home pose of
+    /// the first session applies to both.
     #[must_use]
     pub fn compared(self, compared: &Comparison) -> Self {
         let names = SideNames {
@@ -26,8 +26,8 @@ impl Scene {
         self.beside(names, differences)
     }
 
-    /// Adds the pulleys of another session to a scene, by their displacements in the order of the cables. Poses are left out,
-    /// each session has its own.
+    /// Adds the pulleys of another session to a scene, by their displacements in the order of the cables. Poses are
+    /// omitted, because each session has its own.
     #[must_use]
     pub fn beside(
         mut self,

@@ -1,4 +1,4 @@
-//! Builds a scene from robot, measurements and identification.
+//! Construction of a scene from robot, measurements and identification.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use tautline_session::DecisionRule;
 use super::residuals::Residuals;
 use super::{
     Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox,
-    PositionError, Scene, Shown, cable, platform,
+    PositionError, Scene, ShownPose, cable, platform,
 };
 use crate::model::Selection;
 use crate::model::link::LivePlatform;
@@ -19,27 +19,26 @@ use crate::views::robot_3d::camera;
 use tautline_workflow::identification::{FitVerdict, Identification, entry_point_covariance};
 use tautline_workflow::wording::cable_label;
 
-/// What a scene is built from.
+/// Inputs of a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
-    /// The robot of the drawings.
+pub struct SceneInputs<'a> {
+    /// Robot of the drawings.
     pub robot: &'a Robot,
-    /// What was measured.
     pub measurements: &'a Measurements,
-    /// What was identified, if it was.
+    /// Identification, if any.
     pub fit: Option<&'a Identification>,
-    /// The pose that is shown, and the cable whose residuals the poses show.
+    /// Shown pose, and the cable whose residuals colour the poses.
     pub selection: Selection,
-    /// Where the platform is now, while it is measured; comes before the selected pose.
+    /// Live platform; takes precedence over the selected pose.
     pub live: Option<&'a LivePlatform>,
-    /// Positions of the poses that are still to be measured (m).
+    /// Positions of the poses still to be measured (m).
     pub planned: &'a [Vec3],
-    /// How far the platform was from where it was sent.
+    /// Errors of position of the platform.
     pub errors: &'a [PositionError],
 }
 
-impl<'a> Subject<'a> {
-    /// A robot alone, at home.
+impl<'a> SceneInputs<'a> {
+    /// Robot alone, at home.
     #[must_use]
     pub fn new(robot: &'a Robot, measurements: &'a Measurements) -> Self {
         Self {
@@ -57,14 +56,12 @@ impl<'a> Subject<'a> {
         self.fit.map_or(self.robot, |fit| &fit.model)
     }
 
-    /// Builds the scene.
     #[must_use]
     pub fn scene(&self) -> Scene {
         self.scene_with(None)
     }
 
-    /// Builds the scene with measured poses that are known already, so that nothing is looked up in the identification
-    /// while the platform moves.
+    /// Builds the scene with known measured poses, so that no identification is searched while the platform moves.
     #[must_use]
     pub fn scene_with(&self, measured: Option<Arc<MeasuredPoses>>) -> Scene {
         let robot = self.robot;
@@ -99,22 +96,22 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn shown(&self, fitted: &Fitted) -> (Shown, Pose) {
+    fn shown(&self, fitted: &Fitted) -> (ShownPose, Pose) {
         if let Some(live) = self.live {
             let shown = match live.is_stopped {
-                true => Shown::Stopped,
-                false => Shown::Live,
+                true => ShownPose::Stopped,
+                false => ShownPose::Live,
             };
             return (shown, live.pose);
         }
         if let Some(label) = self.selection.pose {
             if let Some((_, pose)) = fitted.get(&label) {
-                return (Shown::Fitted(label), *pose);
+                return (ShownPose::Fitted(label), *pose);
             }
             let rows = &self.measurements.labels;
             let row = rows.iter().position(|l| *l == label);
             if let Some(pose) = row.and_then(|row| given_pose(self.measurements, row)) {
-                return (Shown::Given(label), pose);
+                return (ShownPose::Given(label), pose);
             }
         }
         let middle = || {
@@ -126,18 +123,21 @@ impl<'a> Subject<'a> {
             }
         };
         let home = self.model().home;
-        (Shown::Home, home.map_or_else(middle, |home| home.pose()))
+        (
+            ShownPose::Home,
+            home.map_or_else(middle, |home| home.pose()),
+        )
     }
 
-    fn tensions(&self, shown: Shown) -> Vec<Option<f64>> {
+    fn tensions(&self, shown: ShownPose) -> Vec<Option<f64>> {
         let cables = self.robot.cable_count();
-        if let (Shown::Live | Shown::Stopped, Some(live)) = (shown, self.live) {
+        if let (ShownPose::Live | ShownPose::Stopped, Some(live)) = (shown, self.live) {
             let at = |i: usize| live.tensions_n.get(i).copied().filter(|t| t.is_finite());
             return (0..cables).map(at).collect();
         }
         let label = match shown {
-            Shown::Fitted(label) | Shown::Given(label) => label,
-            Shown::Home | Shown::Live | Shown::Stopped => 0,
+            ShownPose::Fitted(label) | ShownPose::Given(label) => label,
+            ShownPose::Home | ShownPose::Live | ShownPose::Stopped => 0,
         };
         let row = self.measurements.labels.iter().position(|l| *l == label);
         let tension = |(index, cable): (usize, &tautline_core::robot::Cable)| {
@@ -151,14 +151,14 @@ impl<'a> Subject<'a> {
     fn cables(
         &self,
         pose: &Pose,
-        shown: Shown,
+        shown: ShownPose,
         fitted: &Fitted,
         residuals: &Residuals,
     ) -> Vec<CableView> {
         let model = self.model();
         let tensions = self.tensions(shown);
         let row = match shown {
-            Shown::Fitted(label) => fitted.get(&label).map(|(row, _)| *row),
+            ShownPose::Fitted(label) => fitted.get(&label).map(|(row, _)| *row),
             _ => None,
         };
         let own = cable::located(model, pose, &tensions).into_iter();
@@ -179,7 +179,7 @@ impl<'a> Subject<'a> {
                 tension_n: tensions[index],
                 residual: residuals
                     .of_cable(index, row)
-                    .filter(|_| row.is_some() || shown == Shown::Home),
+                    .filter(|_| row.is_some() || shown == ShownPose::Home),
             })
             .collect()
     }
@@ -213,7 +213,7 @@ fn fitted_poses(fit: &Identification) -> Fitted {
     labelled.collect()
 }
 
-/// Where a row says that the platform was, as commanded or as an external instrument saw it.
+/// Commanded or tracked pose of a row.
 fn given_pose(data: &Measurements, row: usize) -> Option<Pose> {
     data.commanded.get(row).copied().flatten().or_else(|| {
         data.tracked_position_at(row).map(|position| Pose {

@@ -1,4 +1,4 @@
-//! Cables and pulleys: the path over the wheel, the sag.
+//! Cables and pulleys: path over the wheel, sag.
 
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::kinematics::{CableDetail, CableDrawing, cable_polyline};
@@ -6,25 +6,24 @@ use tautline_core::robot::{Cable, Robot};
 
 use super::Wheel;
 
-/// A cable with its pulley at a pose.
-pub struct Located {
-    /// Its pulley.
+/// Path of a cable over its pulley at a pose.
+pub struct CablePath {
     pub wheel: Wheel,
     /// Points from the winch's side to the platform (m).
     pub path: Vec<Vec3>,
-    /// Straight part (m); `None` where it has no path: then it is a line from entry point to platform.
+    /// Straight length (m); `None` if there is no path over the pulley: then it is a line from entry point to platform.
     pub free_m: Option<f64>,
 }
 
-/// All cables of `robot` at `pose`; those sag whose tension (N) is known.
-pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<Located> {
+/// All cables of `robot` at `pose`; cables with a known tension (N) sag.
+pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<CablePath> {
     let radii = robot.cables.iter().map(|cable| cable.pulley.radius_m);
     let detail = CableDetail {
-        // A short piece of the run from the winch tells from where the cable comes.
+        // A short piece towards the winch shows where the cable comes from.
         lead_in_m: 2.0 * radii.fold(0.0, f64::max),
         ..CableDetail::default()
     };
-    // Nothing holds up a cable of no tension: it is drawn straight.
+    // A cable without tension is drawn straight.
     let taut: Vec<_> = tensions_n.iter().map(|t| t.filter(|t| *t > 0.0)).collect();
     let drawings = cable_polyline(robot, pose, &taut, &detail);
     let mut drawings = drawings.unwrap_or_default().into_iter();
@@ -37,13 +36,13 @@ pub fn located(robot: &Robot, pose: &Pose, tensions_n: &[Option<f64>]) -> Vec<Lo
         .collect()
 }
 
-fn drawn(drawing: CableDrawing) -> Located {
+fn drawn(drawing: CableDrawing) -> CablePath {
     let ends = [drawing.points.get(drawing.exit), drawing.points.last()];
     let free_m = match ends {
         [Some(exit), Some(anchor)] => Some((anchor - exit).norm()),
         _ => None,
     };
-    Located {
+    CablePath {
         wheel: Wheel {
             entry: drawing.entry,
             centre: drawing.pulley_centre,
@@ -55,12 +54,12 @@ fn drawn(drawing: CableDrawing) -> Located {
     }
 }
 
-fn line(cable: &Cable, pose: &Pose) -> Located {
+fn line(cable: &Cable, pose: &Pose) -> CablePath {
     let entry = Vec3::from(cable.pulley.entry_point_m);
     let anchor = pose.transform(&cable.platform_anchor_m.into());
     let axis = Vec3::from(cable.pulley.swivel_axis);
     let across = axis.cross(&(anchor - entry)).try_normalize(1e-9);
-    Located {
+    CablePath {
         wheel: Wheel {
             entry,
             centre: entry,

@@ -1,4 +1,4 @@
-//! How pulleys differ from those of the drawing or of another session, and where they are drawn for it.
+//! Displacements of pulleys from the drawing or another session, and positions as drawn.
 
 use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
@@ -8,24 +8,24 @@ use tautline_session::DecisionRule;
 use tautline_workflow::identification::{CLEAR, NOISE, chance_of_noise};
 use tautline_workflow::report::tolerance::Conformity;
 
-/// Whether a displacement exceeds its uncertainty.
+/// Significance of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Significance {
-    /// The uncertainty is not known, or the model does not explain the data.
+    /// The uncertainty is unknown, or the model does not explain the data.
     Unknown,
-    /// Noise alone does that more often than once in 20 times.
+    /// Noise alone exceeds it more often than once in 20 times.
     Noise,
-    /// Neither.
+    /// Between [`Self::Noise`] and [`Self::Clear`].
     Unclear,
-    /// Noise alone does that less often than once in 1000 times.
+    /// Noise alone exceeds it less often than once in 1000 times.
     Clear,
 }
 
 impl Significance {
-    /// Those that have a known uncertainty, from least to most.
+    /// All with a known uncertainty, in ascending order.
     pub const KNOWN: [Self; 3] = [Self::Noise, Self::Unclear, Self::Clear];
 
-    /// What the operator reads.
+    /// Text for the operator.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -37,44 +37,43 @@ impl Significance {
     }
 }
 
-/// What identification changed at a pulley, or what is different in another session.
+/// Displacement of a pulley by the identification, or between two sessions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Displacement {
     /// Entry point of the drawing, or of the first session (m).
     pub from: Vec3,
-    /// Identified less nominal, or second less first (m).
+    /// Identified minus nominal, or second minus first (m).
     pub by: Vec3,
-    /// Its covariance (m^2), where the data determine it; coordinates that were not estimated have none.
+    /// Covariance (m^2), if the data determine it; coordinates that were not estimated have no variance.
     pub covariance: Option<Matrix3<f64>>,
-    /// Whether the model explains the data, without which the covariance says nothing.
+    /// Whether the model explains the data; otherwise the covariance is meaningless.
     pub is_explained: bool,
-    /// Whether it moved or is noise, where a comparison has found that out already.
+    /// Whether the pulley moved, if a comparison has decided that.
     pub moved: Option<bool>,
 }
 
 impl Displacement {
-    /// Its length with three standard deviations of its least certain coordinate (m).
+    /// Length plus three standard deviations of the least certain coordinate (m).
     #[must_use]
     pub fn reach_m(&self) -> f64 {
         let variance = self.covariance.map_or(0.0, |c| c.diagonal().max());
         self.by.norm() + 3.0 * variance.max(0.0).sqrt()
     }
 
-    /// Number of coordinates that were estimated.
+    /// Number of estimated coordinates.
     #[must_use]
     pub fn coordinates(&self) -> usize {
         let covariance = self.covariance.unwrap_or_default();
         (0..3).filter(|k| covariance[(*k, *k)] > 0.0).count()
     }
 
-    /// Whether it is within a tolerance (m), as the certificate judges it.
+    /// Conformity with a tolerance (m), as in the certificate.
     #[must_use]
     pub fn conformity(&self, rule: DecisionRule, tolerance_m: f64) -> Conformity {
         let covariance = self.covariance.filter(|_| self.is_explained);
         Conformity::of(rule, &self.by, covariance.as_ref(), tolerance_m)
     }
 
-    /// Whether it exceeds its uncertainty.
     #[must_use]
     pub fn significance(&self) -> Significance {
         let chance = self
@@ -92,19 +91,18 @@ impl Displacement {
     }
 }
 
-/// A cable with its pulleys where they are drawn: what differs between the two pulleys is magnified.
+/// Cable with its pulleys as drawn, with the displacement magnified.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placed {
-    /// From the winch's side over the pulley to the platform (m).
+pub struct PlacedCable {
+    /// Points from the winch's side over the pulley to the platform (m).
     pub path: Vec<Vec3>,
-    /// Its pulley.
     pub wheel: Wheel,
-    /// The pulley that is shown besides.
+    /// Second pulley, of the drawing or another session.
     pub other: Option<Wheel>,
 }
 
 impl Wheel {
-    /// The same elsewhere.
+    /// Wheel shifted by a vector.
     fn shifted(&self, by: &Vec3) -> Self {
         Self {
             entry: self.entry + by,
@@ -115,12 +113,12 @@ impl Wheel {
 }
 
 impl Scene {
-    /// Where a cable and its pulleys are drawn if differences are magnified so many times. The end at the platform stays;
-    /// the cable follows its pulley. An index beyond the cables has an empty path.
+    /// Cable with its pulleys as drawn, with displacements magnified by a factor. The end at the platform stays; the
+    /// cable follows its pulley. An index beyond the cables has an empty path.
     #[must_use]
-    pub fn placed(&self, index: usize, magnification: f64) -> Placed {
+    pub fn placed(&self, index: usize, magnification: f64) -> PlacedCable {
         let Some(cable) = self.cables.get(index) else {
-            return Placed {
+            return PlacedCable {
                 path: Vec::new(),
                 wheel: Wheel {
                     entry: Vec3::zeros(),
@@ -134,8 +132,8 @@ impl Scene {
         let by = cable.moved.map_or_else(Vec3::zeros, |moved| moved.by);
         let more = by * (magnification - 1.0);
         if matches!(self.besides, Besides::Other(_)) {
-            // The first session is drawn where it is.
-            return Placed {
+            // The first session is drawn at its true position.
+            return PlacedCable {
                 path: cable.path.clone(),
                 wheel: cable.wheel,
                 other: cable.nominal.map(|wheel| wheel.shifted(&more)),
@@ -148,7 +146,7 @@ impl Scene {
             }
             _ => cable.path.clone(),
         };
-        Placed {
+        PlacedCable {
             path,
             wheel: cable.wheel.shifted(&more),
             other: cable.nominal,

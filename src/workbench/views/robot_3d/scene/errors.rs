@@ -1,20 +1,20 @@
-//! How far the platform was from where it was sent, as an external instrument saw it.
+//! Errors of position of the platform, measured by an external instrument.
 
 use tautline_core::geometry::Vec3;
 use tautline_session::{CheckRow, Session, Stage};
 
-/// The mean error of position at a test pose or at a point of a path.
+/// Mean error of position at a test pose or a point of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionError {
-    /// Where the platform was sent (m).
+    /// Commanded position (m).
     pub commanded: Vec3,
-    /// Where it was from there (m).
+    /// Measured minus commanded position (m).
     pub by: Vec3,
     /// Before or after the adjustment.
     pub stage: Stage,
 }
 
-/// The errors of the last verification of each stage.
+/// Errors of the last verification of each stage.
 #[must_use]
 pub fn of_session(session: &Session) -> Vec<PositionError> {
     let last = |stage: Stage| {
@@ -25,7 +25,7 @@ pub fn of_session(session: &Session) -> Vec<PositionError> {
     [last(Stage::Before), last(Stage::After)].concat()
 }
 
-/// The mean over all cycles for each target.
+/// Means over all cycles for each target.
 fn means(rows: &[CheckRow], stage: Stage) -> Vec<PositionError> {
     let mut sums: Vec<((&str, i64), Vec3, Vec3, f64)> = Vec::new();
     for row in rows {

@@ -1,4 +1,4 @@
-//! The frame that carries the pulleys, and the floor under it.
+//! Frame that carries the pulleys, and the floor below it.
 
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::Robot;
@@ -7,18 +7,18 @@ use super::{bounds, corners};
 use crate::views::robot_3d::camera::Directions;
 use tautline_workflow::plot::round::round_down;
 
-/// The floor with a grid.
+/// Floor with a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Floor {
-    /// Its corners (m).
+    /// Corners (m).
     pub corners: [Vec3; 4],
-    /// Lines of the grid (m).
+    /// Grid lines (m).
     pub lines: Vec<[Vec3; 2]>,
-    /// Distance of the lines (m).
+    /// Spacing of the grid lines (m).
     pub spacing_m: f64,
 }
 
-/// A box of members around the pulleys, down to the floor.
+/// Box of members around the pulleys, down to the floor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameBox {
     /// Axes of the members (m).
@@ -27,16 +27,16 @@ pub struct FrameBox {
     pub member_m: f64,
     /// Corners of the box (m).
     pub corners: Vec<Vec3>,
-    /// Its diagonal (m).
+    /// Diagonal of the box (m).
     pub size_m: f64,
     pub floor: Floor,
 }
 
-/// Share of the diagonal that a member is wide.
+/// Width of a member, as a share of the diagonal.
 const MEMBER: f64 = 0.006;
 
 impl FrameBox {
-    /// The frame of a robot whose pulleys the drawing has right.
+    /// Frame of a robot with the pulleys of the drawing.
     #[must_use]
     pub fn of(robot: &Robot, directions: &Directions) -> Self {
         let local = directions.transpose();
@@ -60,7 +60,7 @@ impl FrameBox {
                 low[axis] -= clear;
                 high[axis] += clear;
             } else if axis == 1 {
-                // The frame of a planar robot has no depth; it stands behind the pulleys.
+                // The frame of a planar robot has no depth; it is behind the pulleys.
                 low[axis] += clear;
                 high[axis] += clear;
             }
@@ -86,7 +86,7 @@ fn floor_height(robot: &Robot, directions: &Directions) -> Option<f64> {
     (along.abs() > 0.999).then(|| plane.offset_m / along)
 }
 
-/// The edges of the box; those without length or twice in the same place only once.
+/// Edges of the box, without those of zero length and duplicates.
 fn members(low: &Vec3, high: &Vec3) -> Vec<[Vec3; 2]> {
     let corners = corners(low, high);
     let mut members: Vec<[Vec3; 2]> = Vec::new();
@@ -105,7 +105,7 @@ fn floor(low: &Vec3, high: &Vec3, directions: &Directions) -> Floor {
     let extent = high - low;
     let longest = extent.x.max(extent.y).max(0.2 * extent.z).max(1e-3);
     let spacing_m = round_down(longest / 14.0);
-    // Some floor beyond the frame, also where the frame has no depth; whole cells.
+    // Some floor beyond the frame, also if the frame has no depth, in whole cells.
     let reach = |axis: usize| {
         let beyond = (0.14 * longest).max(0.5 * (0.4 * longest - extent[axis]));
         let from = ((low[axis] - beyond) / spacing_m).floor();

@@ -1,4 +1,4 @@
-//! The measured poses: what stays while the platform moves.
+//! Measured poses, which do not change while the platform moves.
 
 use std::ops::Deref;
 
@@ -9,29 +9,29 @@ use super::bounds;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPose {
     pub label: i64,
-    /// Where the platform was, fitted if possible (m).
+    /// Position of the platform, fitted if possible (m).
     pub position: Vec3,
-    /// Largest residual of its lengths or of the selected cable's, if it was fitted.
+    /// Largest residual of its lengths, or that of the selected cable; `None` if it was not fitted.
     pub residual: Option<f64>,
 }
 
-/// All measured poses, shared by the scenes that have the same.
+/// All measured poses, shared by the scenes that have the same ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPoses {
     poses: Vec<MeasuredPose>,
-    /// Least and greatest coordinates (m); infinite, the wrong way round, where there are none.
+    /// Smallest and largest coordinates (m); infinite and reversed if there are none.
     pub(super) bounds: [Vec3; 2],
 }
 
 impl MeasuredPoses {
-    /// The measured poses with their bounds.
+    /// Measured poses with their bounds.
     #[must_use]
     pub fn new(poses: Vec<MeasuredPose>) -> Self {
         let bounds = bounds(poses.iter().map(|pose| &pose.position));
         Self { poses, bounds }
     }
 
-    /// The pose of a label, which stands at most at this place: there, unless poses before it have no known position.
+    /// Pose of a label, whose index is at most `place`: less if poses before it have no known position.
     #[must_use]
     pub fn of(&self, place: usize, label: i64) -> Option<&MeasuredPose> {
         let is_it = |pose: &&MeasuredPose| pose.label == label;

@@ -1,20 +1,20 @@
-//! Where pulleys were at several dates.
+//! Paths of pulleys over several dates.
 
 use tautline_core::geometry::Vec3;
 
 use super::Scene;
 
-/// Where the pulleys were at several dates.
+/// Positions of the pulleys at several dates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PulleyPaths {
-    /// Displacement of the pulley of each cable from its place at the first date (m), in the order of the dates.
+    /// Displacements of the pulley of each cable since the first date (m), in the order of the dates.
     pub by: Vec<Vec<Vec3>>,
-    /// Index of the date that is shown.
+    /// Index of the shown date.
     pub date: usize,
 }
 
 impl PulleyPaths {
-    /// The longest displacement of any pulley (m), so that the picture keeps its scale from date to date.
+    /// Longest displacement of any pulley (m), so that the picture keeps its scale from date to date.
     #[must_use]
     pub fn reach_m(&self) -> f64 {
         let all = self.by.iter().flatten();
@@ -23,8 +23,8 @@ impl PulleyPaths {
 }
 
 impl Scene {
-    /// Where the path of a pulley is drawn if displacements are magnified so many times, in the order of the dates (m); empty
-    /// where it is not known.
+    /// Path of a pulley as drawn, with displacements magnified by a factor, in the order of the dates (m); empty if
+    /// unknown.
     #[must_use]
     pub fn path_of(&self, cable: usize, magnification: f64) -> Vec<Vec3> {
         let by = self.paths.as_ref().and_then(|paths| paths.by.get(cable));

@@ -1,11 +1,11 @@
-//! The platform, the laser on it, and the home platform's sensors.
+//! Platform, its laser, and the home platform's sensors.
 
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::{Home, Robot};
 
 use super::{LaserView, bounds, corners};
 
-/// A box around the anchors, in the platform frame.
+/// Box around the anchors, in the platform frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatformBox {
     /// Lower corner (m).
@@ -15,7 +15,7 @@ pub struct PlatformBox {
 }
 
 impl PlatformBox {
-    /// The box around the anchors of `robot` in a frame of diagonal `size_m`; thin ones get a thickness to be seen.
+    /// Box around the anchors of `robot` in a frame of diagonal `size_m`; a thin box gets a visible thickness.
     #[must_use]
     pub fn of(robot: &Robot, size_m: f64) -> Self {
         let cables = robot.cables.iter();
@@ -37,7 +37,7 @@ impl PlatformBox {
         }
     }
 
-    /// Its corners in the base frame (m); bit k of the index chooses the upper end along axis k.
+    /// Corners in the base frame (m); bit k of the index selects the upper end along axis k.
     #[must_use]
     pub fn corners(&self, pose: &Pose) -> [Vec3; 8] {
         corners(&self.low, &self.high).map(|corner| pose.transform(&corner))
@@ -59,10 +59,10 @@ pub fn laser(robot: &Robot, pose: &Pose) -> Option<LaserView> {
     })
 }
 
-/// Distance from the home pose up to which the sensors of the home platform see the platform (m).
+/// Largest distance from the home pose at which the sensors of the home platform see the platform (m).
 const AT_HOME_M: f64 = 0.02;
 
-/// Beams of the home platform's sensors with the platform at `pose`; none where it is elsewhere.
+/// Beams of the home platform's sensors for the platform at `pose`; none if it is elsewhere.
 pub fn home_beams(robot: &Robot, pose: &Pose) -> Vec<[Vec3; 2]> {
     let is_elsewhere = |home: &Home| (pose.position - home.pose().position).norm() > AT_HOME_M;
     let Some(home) = &robot.home_platform else {

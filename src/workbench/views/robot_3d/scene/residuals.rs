@@ -8,12 +8,11 @@ use tautline_workflow::identification::Identification;
 /// Normalised residuals of the lengths of a fit.
 #[derive(Debug, Default)]
 pub struct Residuals {
-    /// Row, cable and value, ascending.
+    /// Row, cable and value, in ascending order.
     lengths: Vec<(usize, usize, f64)>,
 }
 
 impl Residuals {
-    /// Those of `fit`.
     pub fn of(fit: &Identification) -> Self {
         let length = |reading: &Observation| match reading.kind {
             ObservationKind::Length(cable) => {
@@ -34,7 +33,7 @@ impl Residuals {
         &self.lengths[first..first + count]
     }
 
-    /// That of a cable at the pose in `row`, or over all poses without.
+    /// Residual of a cable at the pose in `row`; over all poses without a row.
     pub fn of_cable(&self, cable: usize, row: Option<usize>) -> Option<Residual> {
         if let Some(row) = row {
             let found = self.of_row(row).iter().find(|(_, c, _)| *c == cable);
@@ -48,7 +47,7 @@ impl Residuals {
         (count > 0).then(|| Residual::Rms((sum / count as f64).sqrt(), count))
     }
 
-    /// That of `cable` at the pose in `row`, or the largest of all cables there.
+    /// Residual of `cable` at the pose in `row`, or the largest of all cables there.
     pub fn of_pose(&self, row: usize, cable: Option<usize>) -> Option<f64> {
         self.of_row(row)
             .iter()

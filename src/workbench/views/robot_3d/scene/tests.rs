@@ -1,4 +1,4 @@
-//! What is seen of the presets.
+//! Scenes of the presets.
 
 use tautline_core::geometry::Vec3;
 use tautline_core::kinematics::inverse_kinematics;
@@ -12,7 +12,7 @@ use crate::model::Selection;
 fn the_cable_runs_from_the_entry_over_the_rim_in_the_plane_of_its_wheel() {
     for name in presets::NAMES {
         let robot = presets::find(name).unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let states = inverse_kinematics(&robot, &scene.pose).unwrap();
         for (cable, state) in scene.cables.iter().zip(&states) {
             let wheel = &cable.wheel;
@@ -50,7 +50,7 @@ fn sag_adds_the_length_that_the_model_has() {
         force_n,
         ..Measurements::default()
     };
-    let scene = Subject::new(&robot, &data).scene();
+    let scene = SceneInputs::new(&robot, &data).scene();
     for (cable, description) in scene.cables.iter().zip(&robot.cables) {
         assert_eq!(cable.tension_n, Some(tension_n));
         let free = cable.free_m.unwrap();
@@ -63,7 +63,7 @@ fn sag_adds_the_length_that_the_model_has() {
         let horizontal = (anchor - exit).xy().norm();
         let weight = description.cable.weight_n_per_m;
         let modelled = (weight * horizontal / tension_n).powi(2) * free / 24.0;
-        // The chords of 24 pieces are shorter than the parabola by 1/576 of the extra length.
+        // The chords of 24 segments are shorter than the parabola by 1/576 of the extra length.
         assert!(modelled > 1e-4 && (drawn - free - modelled).abs() < 0.02 * modelled);
         let middle = cable.path[cable.path.len() - 13];
         assert!(middle.z < exit.lerp(&anchor, 0.5).z, "it hangs down");
@@ -74,7 +74,7 @@ fn sag_adds_the_length_that_the_model_has() {
 fn the_frame_holds_the_pulleys_and_stands_on_the_floor() {
     for name in presets::NAMES {
         let robot = presets::find(name).unwrap().robot;
-        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let scene = SceneInputs::new(&robot, &Measurements::default()).scene();
         let local = scene.directions.transpose();
         let heights = scene.frame.corners.iter().map(|c| (local * c).z);
         let lowest = heights.fold(f64::INFINITY, f64::min);
@@ -112,12 +112,12 @@ fn the_selected_pose_is_shown_with_its_own_tensions() {
         force_n,
         ..Measurements::default()
     };
-    let mut subject = Subject::new(&robot, &data);
-    assert_eq!(subject.scene().shown, Shown::Home);
+    let mut subject = SceneInputs::new(&robot, &data);
+    assert_eq!(subject.scene().shown, ShownPose::Home);
     assert_eq!(subject.scene().cables[0].tension_n, Some(40.0));
     subject.selection = Selection::pose(7);
     let scene = subject.scene();
-    assert_eq!((scene.shown, scene.pose), (Shown::Given(7), pose));
+    assert_eq!((scene.shown, scene.pose), (ShownPose::Given(7), pose));
     assert_eq!(scene.cables[0].tension_n, Some(50.0));
     assert_eq!(scene.cables[7].tension_n, None);
     assert_eq!(scene.measured.len(), 1);

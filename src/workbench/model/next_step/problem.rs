@@ -1,18 +1,18 @@
-//! What is wrong, with what remedies it.
+//! Problems with their remedies.
 
 use super::Action;
 
-/// Something wrong, which a screen shows in red.
+/// Problem, shown in red on a screen.
 #[derive(Debug, Clone)]
-pub struct Sign {
+pub struct Problem {
     pub text: String,
-    /// What remedies it; `None` where no button can.
+    /// Remedy; `None` if no button can do it.
     pub remedy: Option<Action>,
-    /// What comes after the remedy; or what to do where no button can do it.
+    /// Sentence about the step after the remedy; or instructions if no button can do it.
     pub then: String,
 }
 
-impl Sign {
+impl Problem {
     pub(super) fn new(
         text: impl Into<String>,
         remedy: Option<Action>,
