@@ -1,7 +1,7 @@
 //! Draws cases with random targets, signs and sizes.
 
 use anyhow::{Context, Result, anyhow, bail};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
@@ -10,6 +10,7 @@ use super::conditions::Conditions;
 use super::template::{Template, log_uniform};
 use super::visibility::{JUST_VISIBLE, VISIBLE, chi2_of_nearest_effect, noncentrality, size_for};
 use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outside, several};
+use crate::tables::simulated::stream;
 
 /// Maximum number of failed draws, for example of effects that break the robot, before a plan is given up.
 const MAX_DRAWS: usize = 30;
@@ -45,9 +46,8 @@ struct Sized {
 /// # Errors
 /// If the names are unknown or nothing could be drawn that leaves the robot whole.
 pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
-    let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
     // The simulation uses the same seed, so the draws need another stream.
-    rng.set_stream(1);
+    let mut rng = stream(plan.seed, 1);
     let conditions = Conditions::draw(plan.circumstances, &mut rng);
     let setup = Setup::new(plan, conditions)?;
     let (setup, rng) = (&setup, &mut rng);
