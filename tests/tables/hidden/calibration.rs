@@ -1,9 +1,8 @@
 //! Fits the function from computed to stated probabilities to the outcomes of studies.
 
-use tautline_core::diagnosis::stated_probability;
+use tautline_core::diagnosis::{Verdict, stated_probability};
 
 use super::Study;
-use super::run::Sure;
 use super::table::logarithmic_score;
 use crate::tables::counting::total;
 use crate::tables::markdown::Table;
@@ -37,7 +36,7 @@ pub fn statements(study: &Study) -> Vec<Statement> {
         let said = outcome
             .said
             .iter()
-            .filter(|said| said.sure != Sure::Unknown);
+            .filter(|said| said.verdict != Verdict::Unknown);
         let lists = said.map(|said| &said.candidates[..]);
         for causes in lists.chain(outcome.possible.chunks(1)) {
             let stated: f64 = causes.iter().map(|cause| cause.probability).sum();

@@ -1,7 +1,7 @@
 //! The hidden-effect study: effects are hidden in simulated data and must be found by the diagnosis.
 //!
 //! A [`Plan`] determines what to hide in which robot and under which [`Circumstances`] it is measured. [`draw`] turns
-//! it into a [`Case`] with random targets, signs and sizes; [`run`] simulates the case, diagnoses it and compares the
+//! it into a case with random targets, signs and sizes; [`run`] simulates and diagnoses it, and compares the
 //! findings with the truth; [`Study`] collects the outcomes of many plans, and [`markdown`] makes tables of them.
 //!
 //! The visibility of an effect is determined independently of the diagnosis by its noncentrality: the chi-square of a
@@ -39,7 +39,7 @@ pub use plans::{
     Restriction, STUDIES, TABLE_SEED, clean, named, outside, pairs, single, table_plans,
 };
 pub use robots::{TestRobot, robot, robots};
-pub use run::{Candidate, FindingRecord, Outcome, Study, Sure, WithoutHoles, run, run_all};
+pub use run::{Candidate, FindingRecord, Outcome, Study, WithoutHoles, run, run_all};
 pub use setup::Setup;
 pub use table::{
     Figure, Figures, Target, coverage, describe, diagram, failures, markdown, summary,
@@ -129,18 +129,4 @@ impl Hidden {
             Self::Nothing | Self::Outside(..) | Self::Exchanged(..) => &[],
         }
     }
-}
-
-/// One dataset with its hidden content.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Case {
-    /// Name of the robot.
-    #[serde(with = "names")]
-    pub robot: Name,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// What is hidden.
-    pub hidden: Hidden,
-    /// Imperfections of the measurements.
-    pub conditions: Conditions,
 }

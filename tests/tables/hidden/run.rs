@@ -20,17 +20,6 @@ use super::{Circumstances, Conditions, Hidden, Plan, Setup, Wanted};
 use crate::tables::simulated::{diagnosed, solved};
 use crate::tables::study::{Records, results};
 
-/// How certain the name of a finding is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Sure {
-    /// One cause stands out.
-    Named,
-    /// Several causes exclude each other.
-    Ambiguous,
-    /// No effect of the catalogue explains the error.
-    Unknown,
-}
-
 /// A cause of a finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
@@ -48,7 +37,7 @@ pub struct FindingRecord {
     /// Identifiers with cable numbers.
     pub text: String,
     /// How certain the finding is.
-    pub sure: Sure,
+    pub verdict: Verdict,
     /// Reduction of chi-square.
     pub gain: f64,
     /// The cause and its alternatives; empty for an unknown error.
@@ -106,7 +95,11 @@ impl Outcome {
     pub fn unknown_without_reason(&self) -> bool {
         let nothing_unknown = self.plan.circumstances != Circumstances::ModelError
             && !matches!(self.plan.wanted, Wanted::Outside(_));
-        nothing_unknown && self.said.iter().any(|said| said.sure == Sure::Unknown)
+        nothing_unknown
+            && self
+                .said
+                .iter()
+                .any(|said| said.verdict == Verdict::Unknown)
     }
 }
 
@@ -126,33 +119,34 @@ pub struct Study {
 /// # Errors
 /// If the case cannot be simulated or diagnosed.
 pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
-    let case = &drawn.case;
-    let setup = Setup::new(plan, case.conditions)?;
-    let mut run = setup.measured(&case.hidden)?;
+    let Drawn {
+        hidden, conditions, ..
+    } = &drawn;
+    let setup = Setup::new(plan, *conditions)?;
+    let mut run = setup.measured(hidden)?;
     let mut without_holes = None;
-    if case.conditions.holes {
+    if conditions.holes {
         let (_, claims, _) = run_diagnosis(&run.dataset)?;
-        let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
+        let found = judge_claims(&run, (hidden, conditions), &claims)?;
         setup.lose_cells(&mut run);
         without_holes = Some(WithoutHoles {
             found: found.iter().map(|(found, _)| *found).collect(),
-            fit_arrives: fit_arrives(&run, case.hidden.effects())?,
+            fit_arrives: fit_arrives(&run, hidden.effects())?,
         });
     }
     let (diagnosis, claims, seconds) = run_diagnosis(&run.dataset)?;
-    let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
-    let truths = case.hidden.effects();
+    let found = judge_claims(&run, (hidden, conditions), &claims)?;
+    let truths = hidden.effects();
     let robot = &run.dataset.robot;
     let mut wrong = wrong_names(truths, &claims, robot);
-    let undone = matches!(case.hidden, Hidden::Exchanged(..)) && found[0].0 == Found::Named;
+    let undone = matches!(hidden, Hidden::Exchanged(..)) && found[0].0 == Found::Named;
     if undone {
         let first = |claim: &&Claim| claim.candidates[0].cause().is_some_and(is_exchange);
         let exchanges = claims.iter().filter(first);
         let right: Vec<String> = exchanges.map(Claim::describe).collect();
         wrong.retain(|name| !right.contains(name));
     }
-    let comparable =
-        case.conditions == Conditions::default() && setup.robot.truth == Truth::AsStated;
+    let comparable = *conditions == Conditions::default() && setup.robot.truth == Truth::AsStated;
     let held_out_ratio = if truths.is_empty() || !comparable {
         None
     } else {
@@ -212,15 +206,10 @@ fn finding_record(
             right: is_right(subject.cause()?),
         })
     };
-    let sure = match claim.verdict {
-        Verdict::Named => Sure::Named,
-        Verdict::Ambiguous => Sure::Ambiguous,
-        Verdict::Unknown => Sure::Unknown,
-    };
     let pairs = claim.candidates.iter().zip(&claim.probabilities);
     FindingRecord {
         text: claim.describe(),
-        sure,
+        verdict: claim.verdict,
         gain: findings[claim.finding].evidence.delta_chi2,
         candidates: pairs.filter_map(candidate).collect(),
     }

@@ -370,7 +370,7 @@ fn crowd(case: &Case) -> Result<Crowd> {
         circumstances: Circumstances::AsStated,
     };
     let drawn = draw(&plan)?.context("nothing drawn")?;
-    let (_, _, dataset) = measured(case, &exact, &drawn.case.hidden)?;
+    let (_, _, dataset) = measured(case, &exact, &drawn.hidden)?;
     let files = ten_files();
     let files = files.iter().map(|text| Hypothesis::parse(text));
     let crowded = with_files(&dataset, &files.collect::<Result<Vec<_>, _>>()?)?;

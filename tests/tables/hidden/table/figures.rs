@@ -2,13 +2,15 @@
 
 use std::fmt;
 
+use tautline_core::diagnosis::Verdict;
+
 use super::{
     found, has_finding_without_wrong_name, is_found, is_noticed_without_wrong_name, is_outside,
     typical,
 };
 use crate::tables::counting::{Share, binomial_tail};
 use crate::tables::hidden::judge::Found;
-use crate::tables::hidden::{Circumstances, FindingRecord, Outcome, Stratum, Study, Sure, Wanted};
+use crate::tables::hidden::{Circumstances, FindingRecord, Outcome, Stratum, Study, Wanted};
 use crate::tables::simulated::NORMAL_95;
 
 /// Required held-out error relative to that of the true model.
@@ -147,7 +149,7 @@ fn is_other_named(o: &Outcome) -> bool {
 fn is_first(o: &Outcome) -> bool {
     let right = |said: &FindingRecord| said.candidates.first().is_some_and(|c| c.right);
     let first = o.said.first();
-    first.is_some_and(|said| said.sure == Sure::Named && right(said))
+    first.is_some_and(|said| said.verdict == Verdict::Named && right(said))
 }
 
 fn singles(study: &Study) -> Vec<Figure> {

@@ -7,13 +7,14 @@ mod reliability;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use tautline_core::diagnosis::Verdict;
 use tautline_core::effect::CATALOGUE;
 
 pub use figures::{Figure, Figures, Target};
 pub use reliability::{diagram, logarithmic_score};
 
 use super::judge::Found;
-use super::{FindingRecord, Hidden, OUTSIDE, Outcome, Stratum, Study, Sure, Wanted, robots};
+use super::{FindingRecord, Hidden, OUTSIDE, Outcome, Stratum, Study, Wanted, robots};
 use crate::tables::counting::{Share, median};
 use crate::tables::markdown::{Table, table};
 use crate::tables::simulated::NORMAL_95;
@@ -221,7 +222,7 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
         }
     };
     let answers: Vec<String> = outcome.said.iter().map(|said| said.text.clone()).collect();
-    let hidden = match &outcome.drawn.case.hidden {
+    let hidden = match &outcome.drawn.hidden {
         Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
         Hidden::Nothing if outcome.said.is_empty() => return Vec::new(),
         Hidden::Nothing => return vec![("nothing".to_owned(), said(&answers))],
@@ -298,7 +299,7 @@ pub fn coverage(study: &Study) -> String {
 /// Describes a dataset and its outcome in one line.
 #[must_use]
 pub fn describe(outcome: &Outcome) -> String {
-    let hidden = match &outcome.drawn.case.hidden {
+    let hidden = match &outcome.drawn.hidden {
         Hidden::Nothing => "nothing".to_owned(),
         Hidden::Effects(settings) => {
             let each = settings.iter();
@@ -340,9 +341,9 @@ pub fn describe(outcome: &Outcome) -> String {
 fn with_probabilities(said: &FindingRecord) -> String {
     let each = said.candidates.iter();
     let each = each.map(|candidate| format!("{} {:.3}", candidate.name, candidate.probability));
-    let text = match said.sure {
-        Sure::Unknown => said.text.clone(),
-        Sure::Named | Sure::Ambiguous => each.collect::<Vec<_>>().join(" or "),
+    let text = match said.verdict {
+        Verdict::Unknown => said.text.clone(),
+        Verdict::Named | Verdict::Ambiguous => each.collect::<Vec<_>>().join(" or "),
     };
     format!("{text} ({:.1})", said.gain)
 }

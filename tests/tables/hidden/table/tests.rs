@@ -1,12 +1,12 @@
 use super::figures::Target;
 use super::*;
-use crate::tables::hidden::{Case, Circumstances, Conditions, Drawn, ParameterError, Plan};
+use crate::tables::hidden::{Circumstances, Conditions, Drawn, ParameterError, Plan};
 use crate::tables::simulated::setting;
 
 fn said(text: &str) -> FindingRecord {
     FindingRecord {
         text: text.to_owned(),
-        sure: Sure::Named,
+        verdict: Verdict::Named,
         gain: 45.0,
         candidates: vec![],
     }
@@ -24,12 +24,8 @@ fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) ->
     Outcome {
         plan,
         drawn: Drawn {
-            case: Case {
-                robot: "mini",
-                seed: 1,
-                hidden,
-                conditions: Conditions::default(),
-            },
+            hidden,
+            conditions: Conditions::default(),
             noncentralities: vec![50.0; found.len()],
             visible: true,
             redraws: 1,
