@@ -51,7 +51,7 @@ impl Study for Certificate {
         for one in uncertain(&fit)? {
             let place = fit.solution.globals.entry_points[one.cable][one.axis];
             let off = place - truth[one.cable][one.axis];
-            outcome.held.add(off.abs() <= one.factor * one.sd_m);
+            outcome.held.count(off.abs() <= one.factor * one.sd_m);
             outcome.factors += one.factor;
         }
         Ok(Some(outcome))

@@ -1,7 +1,7 @@
 //! Counts of many, with exact binomial intervals.
 
 use std::fmt::{self, Display};
-use std::iter::Sum;
+use std::ops::Add;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,12 +18,12 @@ impl Share {
     /// Of all, those of which something is true.
     pub fn of<T>(all: impl IntoIterator<Item = T>, is: impl Fn(T) -> bool) -> Self {
         let mut share = Self::default();
-        all.into_iter().for_each(|one| share.add(is(one)));
+        all.into_iter().for_each(|one| share.count(is(one)));
         share
     }
 
     /// Counts one more, of which something is true or not.
-    pub fn add(&mut self, is: bool) {
+    pub fn count(&mut self, is: bool) {
         self.part += usize::from(is);
         self.whole += 1;
     }
@@ -61,12 +61,14 @@ impl Share {
     }
 }
 
-impl Sum for Share {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), |sum, one| Self {
-            part: sum.part + one.part,
-            whole: sum.whole + one.whole,
-        })
+impl Add for Share {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            part: self.part + other.part,
+            whole: self.whole + other.whole,
+        }
     }
 }
 
@@ -94,9 +96,10 @@ pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Sum of a value over many.
-pub fn total<O, T: Sum>(all: &[&O], value: impl Fn(&O) -> T) -> T {
-    all.iter().map(|one| value(one)).sum()
+/// Sum of a value over many; unlike that of an iterator, the sum of no numbers is not -0.
+pub fn total<O, T: Default + Add<Output = T>>(all: &[&O], value: impl Fn(&O) -> T) -> T {
+    let values = all.iter().map(|one| value(one));
+    values.fold(T::default(), T::add)
 }
 
 /// Number of those of which something is true.
@@ -186,7 +189,7 @@ mod tests {
         assert_eq!(share.to_string(), "5 of 20: 25.0 % (8.7 to 49.1)");
         assert_eq!(format!("{share:.0}"), "5 of 20: 25 % (9 to 49)");
         assert_eq!(share.without_whole(), "5: 25.0 % (8.7 to 49.1)");
-        let both: Share = [share, Share::default()].into_iter().sum();
+        let both = total(&[&share, &Share::default()], |one| *one);
         assert_eq!(
             (both.percent(), Share::default().to_string()),
             ("25.0 %".to_owned(), "-".to_owned())

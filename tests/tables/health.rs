@@ -122,7 +122,7 @@ fn predictions(outcomes: &[(u64, Outcome)]) -> String {
                 .then_some((predicted, one.moved.is_found))
         });
         let found = Share::of(moves.clone(), |(_, is_found)| is_found);
-        let sum: f64 = moves.map(|(predicted, _)| predicted).sum();
+        let sum = moves.fold(0.0, |sum, (predicted, _)| sum + predicted);
         table.row(format_args!(
             "{:.0} to {:.0} % | {} | {:.0} % | {found}",
             100.0 * edges[0],
@@ -216,7 +216,7 @@ fn one(name: &str, seed: u64) -> Result<Outcome> {
         let (checked, spent_s) = timed(|| machine.check(&machine.truth, 2 + number as u64));
         let checked = checked?;
         seconds.push(spent_s);
-        alarms.add(checked.verdict == HealthVerdict::Changed);
+        alarms.count(checked.verdict == HealthVerdict::Changed);
         undecided += usize::from(checked.verdict == HealthVerdict::Undecided);
         // The prediction needs no readings of its own: it is the same with all of an unchanged robot.
         expected.get_or_insert(checked);

@@ -141,8 +141,8 @@ fn pair(place: &Place, [present, other]: [usize; 2], data_sets: usize, seed: u64
         options.effects.clone_from(&hidden);
         let data = simulate(robot, &options.commanding(place.poses.clone()))?.dataset;
         let found = log_odds(&data, &causes)?;
-        seen.add(is_seen(found[0]));
-        confused.add(is_confused(found[0], found[1]));
+        seen.count(is_seen(found[0]));
+        confused.count(is_confused(found[0], found[1]));
     }
     Ok(Pair {
         robot: place.name,

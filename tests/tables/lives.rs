@@ -395,8 +395,8 @@ fn count_jumps(truth: &Truth, history: &History, outcome: &mut Outcome) {
         let mut own = certain(history).filter(|jump| pulley(history, jump.part) == Some(*cable));
         outcome
             .dated
-            .add(own.clone().any(|jump| jump.between == [*after, *after + 1]));
-        outcome.found.add(own.any(|jump| contains(jump, *after)));
+            .count(own.clone().any(|jump| jump.between == [*after, *after + 1]));
+        outcome.found.count(own.any(|jump| contains(jump, *after)));
     }
     let is_false = |jump: &&Jump| {
         if let (Part::Effect { .. }, Some(drum)) = (&history.parts[jump.part], &truth.drum) {
@@ -420,11 +420,11 @@ fn count_drifts(truth: &Truth, history: &History, outcome: &mut Outcome) {
     for drift in drifts.filter(|drift| drift.probability >= CERTAIN) {
         let cable = pulley(history, drift.part);
         let rate = cable.map_or_else(Vector3::zeros, |cable| truth.rates[cable]);
-        outcome.false_drifts.add(rate == Vector3::zeros());
+        outcome.false_drifts.count(rate == Vector3::zeros());
         for (k, axis) in history.axes[drift.part].iter().enumerate() {
             let off = drift.rate[k] - rate[*axis];
             let sd = drift.covariance[(k, k)].sqrt();
-            outcome.rates.add(off.abs() < NORMAL_95 * sd);
+            outcome.rates.count(off.abs() < NORMAL_95 * sd);
         }
     }
 }
@@ -441,7 +441,7 @@ fn count_states(truth: &Truth, history: &History, values: &mut Share) {
                 let is = truth.robots[session].cables[*cable].pulley.entry_point_m[*axis];
                 let off = state.value[k] - is;
                 let sd = state.covariance[(k, k)].sqrt();
-                values.add(off.abs() < NORMAL_95 * sd);
+                values.count(off.abs() < NORMAL_95 * sd);
             }
         }
     }

@@ -200,7 +200,7 @@ impl Study for Motion {
         };
         for one in EntryError::all(solution, &run.truth) {
             if let Some(sd_m) = one.sd_m {
-                outcome.entries.add(one.error_m.abs() < NORMAL_95 * sd_m);
+                outcome.entries.count(one.error_m.abs() < NORMAL_95 * sd_m);
             }
         }
         for (index, parameter) in solution.parameters.iter().enumerate() {

@@ -443,7 +443,7 @@ impl Machine {
         self.judge_visible(found, &mut outcome);
         for one in EntryError::all(&found.extended_solution, &self.run.truth) {
             if let Some(sd_m) = one.sd_m {
-                outcome.covered.add(one.error_m.abs() < 1.96 * sd_m);
+                outcome.covered.count(one.error_m.abs() < 1.96 * sd_m);
             }
         }
         outcome
@@ -460,8 +460,8 @@ impl Machine {
             });
             let mut findings = found.findings.iter();
             let is_listed = findings.any(|finding| finding.causes().any(is_it));
-            outcome.visible_named.add(is_named);
-            outcome.visible_found.add(is_named || is_listed);
+            outcome.visible_named.count(is_named);
+            outcome.visible_found.count(is_named || is_listed);
         }
     }
 
@@ -473,7 +473,7 @@ impl Machine {
         for parameter in parameters {
             if let Some(sd) = parameter.sd {
                 let off = parameter.value - self.true_value(cause, parameter.name);
-                sizes.add(off.abs() < 1.96 * sd);
+                sizes.count(off.abs() < 1.96 * sd);
             }
         }
     }

@@ -76,7 +76,7 @@ impl Study for Truth {
         for one in EntryError::all(&solution, &run.truth) {
             let bound = at_truth.standard_deviation(one.parameter);
             let (sd, bound) = one.sd_m.zip(bound).context("undetermined")?;
-            outcome.covered.add((one.error_m / sd).abs() < NORMAL_95);
+            outcome.covered.count((one.error_m / sd).abs() < NORMAL_95);
             outcome.standardised += (one.error_m / sd).powi(2);
             outcome.error += one.error_m.powi(2);
             outcome.bound += bound.powi(2);

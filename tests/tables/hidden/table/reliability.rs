@@ -89,7 +89,7 @@ pub fn classes(study: &Study) -> Vec<Class> {
         let last = classes.len() - 1;
         let class = &mut classes[at.unwrap_or(last)];
         class.stated += probability;
-        class.right.add(right);
+        class.right.count(right);
     }
     classes.retain(|class| class.right.whole > 0);
     classes
