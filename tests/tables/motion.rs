@@ -160,13 +160,13 @@ pub struct Outcome {
     /// Number of samples used.
     samples: usize,
     /// Error of the delay and its stated standard deviation (s).
-    delay_s: [f64; 2],
+    pub delay_s: [f64; 2],
     /// Whether the interval of the drift covers it, where a clock drifts.
     is_drift_covered: Option<bool>,
     /// Coordinates of entry points in their intervals.
-    entries: Share,
+    pub entries: Share,
     /// Chi-square over the degrees of freedom.
-    chi2_ratio: f64,
+    pub chi2_ratio: f64,
     seconds: f64,
 }
 
@@ -174,6 +174,12 @@ impl Outcome {
     fn is_delay_covered(&self) -> bool {
         let [error_s, sd_s] = self.delay_s;
         error_s.abs() < NORMAL_95 * sd_s
+    }
+
+    /// Whether the delay is within 0.2 ms of the truth or its interval covers it.
+    #[must_use]
+    pub fn is_delay_good(&self) -> bool {
+        self.delay_s[0].abs() < GOOD_S || self.is_delay_covered()
     }
 }
 
@@ -222,85 +228,34 @@ impl Study for Motion {
         let mut table = Table::new(
             "robot, what is late | recordings | samples used | delay, mean error ms | rms error ms | stated ms | within 0.2 ms or its interval | 95 % intervals cover: delay | drift | entry points | chi-square over dof | solve s",
         );
-        for row in rows(outcomes) {
+        for kind in outcomes.chunk_by(|(a, _), (b, _)| (a.0, a.1) == (b.0, b.1)) {
+            let ((late, robot, _), _) = kind[0];
+            let all: Vec<&Outcome> = kind.iter().map(|(_, outcome)| outcome).collect();
+            let mean = |value: fn(&Outcome) -> f64| total::<_, f64>(&all, value) / all.len() as f64;
+            let percent = |share: Share| 100.0 * share.ratio();
+            let drift = Share::of(all.iter().filter_map(|one| one.is_drift_covered), |is| is);
             table.row(format_args!(
-                "{} | {} | {:.0} | {:+.3} | {:.3} | {:.3} | {:.1} % | {:.1} % | {} | {:.1} % | {:.3} | {:.2}",
-                row.what,
-                row.recordings,
-                row.samples,
-                1e3 * row.delay_bias_s,
-                1e3 * row.delay_rms_s,
-                1e3 * row.delay_sd_s,
-                100.0 * row.delay_good,
-                100.0 * row.delay_covered,
-                match row.drift.whole {
+                "{}, {} | {} | {:.0} | {:+.3} | {:.3} | {:.3} | {:.1} % | {:.1} % | {} | {:.1} % | {:.3} | {:.2}",
+                ROBOTS[robot],
+                late.title(),
+                all.len(),
+                mean(|one| one.samples as f64),
+                1e3 * mean(|one| one.delay_s[0]),
+                1e3 * mean(|one| one.delay_s[0].powi(2)).sqrt(),
+                1e3 * mean(|one| one.delay_s[1]),
+                percent(Share::of(&all, |one| one.is_delay_good())),
+                percent(Share::of(&all, |one| one.is_delay_covered())),
+                match drift.whole {
                     0 => "–".to_owned(),
-                    _ => row.drift.percent(),
+                    _ => drift.percent(),
                 },
-                100.0 * row.entry_covered,
-                row.chi2_ratio,
-                row.seconds,
+                percent(total(&all, |one| one.entries)),
+                mean(|one| one.chi2_ratio),
+                mean(|one| one.seconds),
             ));
         }
         Ok(table.text())
     }
-}
-
-/// Figures of one robot over many recordings.
-#[derive(Debug, Clone)]
-pub struct MotionRow {
-    /// Preset, and what is late.
-    pub what: String,
-    /// Number of recordings.
-    pub recordings: usize,
-    /// Mean number of samples used.
-    pub samples: f64,
-    /// Mean error of the delay (s).
-    pub delay_bias_s: f64,
-    /// Root mean square error of the delay (s).
-    pub delay_rms_s: f64,
-    /// Mean of its stated standard deviations (s).
-    pub delay_sd_s: f64,
-    /// Share of delays within 0.2 ms of the truth or whose interval covers it.
-    pub delay_good: f64,
-    /// Share of 95 % intervals that cover the delay.
-    pub delay_covered: f64,
-    /// Intervals that cover the drift, where a clock drifts.
-    pub drift: Share,
-    /// Share of intervals that cover coordinates of entry points.
-    pub entry_covered: f64,
-    /// Mean chi-square over the degrees of freedom.
-    pub chi2_ratio: f64,
-    /// Mean time of an identification (s).
-    pub seconds: f64,
-}
-
-/// The figures of each robot and what is late.
-#[must_use]
-pub fn rows(outcomes: &[(Case, Outcome)]) -> Vec<MotionRow> {
-    let kinds = outcomes.chunk_by(|(a, _), (b, _)| (a.0, a.1) == (b.0, b.1));
-    let rows = kinds.map(|kind| {
-        let ((late, robot, _), _) = kind[0];
-        let all: Vec<&Outcome> = kind.iter().map(|(_, outcome)| outcome).collect();
-        let mean = |value: fn(&Outcome) -> f64| total::<_, f64>(&all, value) / all.len() as f64;
-        let is_good = |one: &&Outcome| one.delay_s[0].abs() < GOOD_S || one.is_delay_covered();
-        let drifts = all.iter().filter_map(|one| one.is_drift_covered);
-        MotionRow {
-            what: format!("{}, {}", ROBOTS[robot], late.title()),
-            recordings: all.len(),
-            samples: mean(|one| one.samples as f64),
-            delay_bias_s: mean(|one| one.delay_s[0]),
-            delay_rms_s: mean(|one| one.delay_s[0].powi(2)).sqrt(),
-            delay_sd_s: mean(|one| one.delay_s[1]),
-            delay_good: Share::of(&all, is_good).ratio(),
-            delay_covered: Share::of(&all, |one| one.is_delay_covered()).ratio(),
-            drift: Share::of(drifts, |is_covered| is_covered),
-            entry_covered: total::<_, Share>(&all, |one| one.entries).ratio(),
-            chi2_ratio: mean(|one| one.chi2_ratio),
-            seconds: mean(|one| one.seconds),
-        }
-    });
-    rows.collect()
 }
 
 /// Recordings of each preset about which the doctor is asked: the instrument is late, with a wrong drum beside latency and drift where

@@ -187,7 +187,7 @@ mod tests {
 
         fn run(&self, case: &usize) -> Result<Option<usize>> {
             self.runs.fetch_add(1, Ordering::Relaxed);
-            Ok((case % 2 == 0).then_some(case * case))
+            Ok(case.is_multiple_of(2).then_some(case * case))
         }
 
         fn table(&self, outcomes: &[(usize, usize)]) -> Result<String> {

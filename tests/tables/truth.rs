@@ -26,7 +26,7 @@ pub struct Truth(pub Range<u64>);
 /// Preset and seed.
 pub type Case = (usize, u64);
 
-/// What one data set adds.
+/// What one data set shows.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
     has_converged: bool,
@@ -85,20 +85,19 @@ impl Study for Truth {
     }
 
     fn table(&self, outcomes: &[(Case, Outcome)]) -> Result<String> {
-        let rows = rows(outcomes);
-        let rows = rows.iter().map(|row| {
+        let rows = by_robot(outcomes).into_iter().map(|(robot, all)| {
+            let figures = Figures::of(&all);
             format!(
-                "{} | {} | {:.0} | {:.1} | {:+.2} | {:.3} | {:.2} % | {:.2} | {:.3} | {}",
-                row.robot,
-                row.data_sets,
-                row.dof,
-                row.chi2_mean,
-                row.chi2_off,
-                row.standardised_rms,
-                row.coverage * 100.0,
-                row.rms_error_m * 1e3,
-                row.over_bound,
-                row.failures,
+                "{robot} | {} | {:.0} | {:.1} | {:+.2} | {:.3} | {:.2} % | {:.2} | {:.3} | {}",
+                all.len(),
+                figures.dof,
+                figures.chi2,
+                figures.chi2_off,
+                figures.standardised_rms,
+                100.0 * figures.coverage,
+                1e3 * figures.rms_error_m,
+                figures.over_bound,
+                figures.failures,
             )
         });
         Ok(table(
@@ -108,17 +107,22 @@ impl Study for Truth {
     }
 }
 
+/// Outcomes of each robot.
+#[must_use]
+pub fn by_robot(outcomes: &[(Case, Outcome)]) -> Vec<(&'static str, Vec<&Outcome>)> {
+    let mut robots = by_name(&PRESETS, outcomes, |(robot, _)| PRESETS[*robot]);
+    // There is no row of all robots.
+    robots.pop();
+    robots
+}
+
 /// Figures of one robot over many simulated data sets.
 #[derive(Debug, Clone)]
-pub struct TruthRow {
-    /// Preset.
-    pub robot: &'static str,
-    /// Number of data sets.
-    pub data_sets: usize,
+pub struct Figures {
     /// Degrees of freedom.
-    pub dof: f64,
+    dof: f64,
     /// Mean chi-square.
-    pub chi2_mean: f64,
+    chi2: f64,
     /// By how many of its standard errors that mean is off, if chi-square has its theoretical distribution.
     pub chi2_off: f64,
     /// Root mean square of entry point errors over their standard deviations.
@@ -126,40 +130,32 @@ pub struct TruthRow {
     /// Share of 95 % intervals of entry point coordinates that cover the truth.
     pub coverage: f64,
     /// Root mean square entry point error (m).
-    pub rms_error_m: f64,
+    rms_error_m: f64,
     /// The same over the Cramer-Rao bound at the truth.
     pub over_bound: f64,
     /// Data sets in which the solver did not converge.
     pub failures: usize,
 }
 
-/// The figures of each robot.
-#[must_use]
-pub fn rows(outcomes: &[(Case, Outcome)]) -> Vec<TruthRow> {
-    let mut robots = by_name(&PRESETS, outcomes, |(robot, _)| PRESETS[*robot]);
-    // There is no row of all robots.
-    robots.pop();
-    robots.iter().map(|(robot, all)| row(robot, all)).collect()
-}
-
-fn row(robot: &'static str, all: &[&Outcome]) -> TruthRow {
-    let sets = all.len() as f64;
-    let sum = |value: fn(&Outcome) -> f64| -> f64 { total(all, value) };
-    let covered: Share = total(all, |one| one.covered);
-    let count = covered.whole as f64;
-    let dof = sum(|one| one.dof) / sets;
-    let chi2_mean = sum(|one| one.chi2) / sets;
-    let error = sum(|one| one.error);
-    TruthRow {
-        robot,
-        data_sets: all.len(),
-        dof,
-        chi2_mean,
-        chi2_off: (chi2_mean - dof) / (2.0 * dof / sets).sqrt(),
-        standardised_rms: (sum(|one| one.standardised) / count).sqrt(),
-        coverage: covered.ratio(),
-        rms_error_m: (error / count).sqrt(),
-        over_bound: (error / sum(|one| one.bound)).sqrt(),
-        failures: all.iter().filter(|one| !one.has_converged).count(),
+impl Figures {
+    /// Those of the data sets of a robot.
+    #[must_use]
+    pub fn of(all: &[&Outcome]) -> Self {
+        let sets = all.len() as f64;
+        let sum = |value: fn(&Outcome) -> f64| -> f64 { total(all, value) };
+        let covered: Share = total(all, |one| one.covered);
+        let count = covered.whole as f64;
+        let [dof, chi2] = [sum(|one| one.dof), sum(|one| one.chi2)].map(|sum| sum / sets);
+        let error = sum(|one| one.error);
+        Self {
+            dof,
+            chi2,
+            chi2_off: (chi2 - dof) / (2.0 * dof / sets).sqrt(),
+            standardised_rms: (sum(|one| one.standardised) / count).sqrt(),
+            coverage: covered.ratio(),
+            rms_error_m: (error / count).sqrt(),
+            over_bound: (error / sum(|one| one.bound)).sqrt(),
+            failures: all.iter().filter(|one| !one.has_converged).count(),
+        }
     }
 }

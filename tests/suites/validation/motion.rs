@@ -1,7 +1,8 @@
 //! A small version of the study of recordings in motion; the whole is `validation motion`.
 
 use tautline_core::simulation::Recording;
-use tautline_validation::tables::motion::{AskedInMotion, Late, Motion, RECORDING, rows};
+use tautline_validation::tables::counting::{Share, total};
+use tautline_validation::tables::motion::{AskedInMotion, Late, Motion, Outcome, RECORDING};
 use tautline_validation::tables::study::{Records, Study, outcomes};
 
 /// Recordings per robot.
@@ -16,15 +17,24 @@ fn delays_and_entry_points_are_within_their_intervals() {
         lates: &[Late::Instrument],
         seeds: 40..40 + RECORDINGS,
     };
-    let rows = rows(&outcomes(&study, &Records::default()).unwrap());
-    assert_eq!(rows.len(), 2);
-    for row in rows {
-        assert!(row.delay_good > 0.6, "{row:?}");
-        assert!(row.delay_sd_s < 8e-4, "{row:?}");
-        let bias = row.delay_bias_s.abs() / row.delay_sd_s * (RECORDINGS as f64).sqrt();
-        assert!(bias < 4.0, "{row:?}");
-        assert!(row.entry_covered > 0.8, "{row:?}");
-        assert!((row.chi2_ratio - 1.0).abs() < 0.1, "{row:?}");
+    let found = outcomes(&study, &Records::default()).unwrap();
+    assert_eq!(found.len(), 2 * RECORDINGS as usize);
+    for of_robot in found.chunks(RECORDINGS as usize) {
+        let all: Vec<&Outcome> = of_robot.iter().map(|(_, outcome)| outcome).collect();
+        let mean = |value: fn(&Outcome) -> f64| total::<_, f64>(&all, value) / RECORDINGS as f64;
+        assert!(
+            Share::of(&all, |one| one.is_delay_good()).ratio() > 0.6,
+            "{all:?}"
+        );
+        let [error_s, sd_s] = [mean(|one| one.delay_s[0]), mean(|one| one.delay_s[1])];
+        assert!(sd_s < 8e-4, "{all:?}");
+        assert!(
+            error_s.abs() / sd_s * (RECORDINGS as f64).sqrt() < 4.0,
+            "{all:?}"
+        );
+        let entries: Share = total(&all, |one| one.entries);
+        assert!(entries.ratio() > 0.8, "{all:?}");
+        assert!((mean(|one| one.chi2_ratio) - 1.0).abs() < 0.1, "{all:?}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! A small version of the truth study; the whole is `validation truth`.
 
 use tautline_validation::tables::study::{Records, outcomes};
-use tautline_validation::tables::truth::{Truth, rows};
+use tautline_validation::tables::truth::{Figures, Truth, by_robot};
 
 /// Seeds of the data sets of each robot.
 const SEEDS: std::ops::Range<u64> = 500..560;
@@ -11,9 +11,11 @@ const SEEDS: std::ops::Range<u64> = 500..560;
 /// 0.04 and the coverage by about 1 % over 60 data sets: their bounds are four times that.
 #[test]
 fn errors_agree_with_the_stated_uncertainties() {
-    let rows = rows(&outcomes(&Truth(SEEDS), &Records::default()).unwrap());
-    assert_eq!(rows.len(), 4);
-    for row in rows {
+    let found = outcomes(&Truth(SEEDS), &Records::default()).unwrap();
+    let robots = by_robot(&found);
+    assert_eq!(robots.len(), 4);
+    for (_, all) in robots {
+        let row = Figures::of(&all);
         assert_eq!(row.failures, 0, "{row:?}");
         assert!(row.chi2_off.abs() < 4.0, "{row:?}");
         assert!((row.standardised_rms - 1.0).abs() < 0.16, "{row:?}");
