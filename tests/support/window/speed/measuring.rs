@@ -176,13 +176,10 @@ fn kept_kb(kept: &Path) -> Result<u64> {
 /// The table of the hour.
 pub fn markdown(moments: &[Moment]) -> String {
     let rows = moments.iter().map(|moment| {
-        let Moment {
-            minutes,
-            poses,
-            memory_mib,
-            kept_kb,
-        } = moment;
-        format!("{minutes:.0} | {poses} | {memory_mib:.1} | {kept_kb}")
+        format!(
+            "{:.0} | {} | {:.1} | {}",
+            moment.minutes, moment.poses, moment.memory_mib, moment.kept_kb
+        )
     });
     let table = table(
         "robot's time, min | poses measured | memory, MiB | kept for recovery, kB",
