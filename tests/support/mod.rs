@@ -7,6 +7,7 @@ pub mod decisions;
 pub mod harness;
 pub mod keyring;
 pub mod phase_tables;
+pub mod process;
 pub mod program;
 pub mod python;
 pub mod window;

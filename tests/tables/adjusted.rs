@@ -6,15 +6,20 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use tempfile::TempDir;
 
+use super::counting::Share;
+use super::markdown::Table;
+use super::study::Study;
 use crate::support::program::program;
 
 /// Seeds of the robots and their noise.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
 /// Numbers of poses, the methods by which they are identified, and how often the home pose is measured; `None`: it is
 /// that of the drawing, which counts as one measurement.
-const ROWS: [(usize, &str, Option<usize>); 11] = [
+const ROWS: [Row; 11] = [
     (25, "joint", None),
     (25, "simple", None),
     (25, "published", None),
@@ -28,60 +33,84 @@ const ROWS: [(usize, &str, Option<usize>); 11] = [
     (400, "joint", Some(16)),
 ];
 
+/// Number of poses, method, and how often the home pose is measured.
+type Row = (usize, &'static str, Option<usize>);
+
 /// Figures of one robot (m).
-#[derive(Debug, Clone, Copy)]
-struct Figures {
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Figures {
     /// Mean position accuracy at the poses of the cubes, before and after.
     pose: [f64; 2],
     /// Path accuracy on the circle, before and after.
     circle: [f64; 2],
 }
 
-/// What many robots make of one number of poses and one method.
-#[derive(Debug, Clone)]
-pub struct Row {
-    poses: usize,
-    method: &'static str,
-    /// How often the home pose is measured.
-    home: Option<usize>,
-    /// Root mean square position error that the plan promises (m), and that with the home pose known exactly; only for the
-    /// method that plans are made for.
-    expected_m: Option<[f64; 2]>,
-    robots: Vec<Figures>,
+/// Robots that are measured and verified once for each number of poses; the rows go on from copies of that session, and differ in the
+/// home pose and the method alone.
+#[derive(Debug)]
+pub struct Adjusted {
+    folder: TempDir,
+    plans: Vec<Plan>,
 }
 
-/// Runs everything. Each robot is measured and verified once for each number of poses; the rows go on from copies of that
-/// session, and differ in the home pose and the method alone.
-///
-/// # Errors
-/// If a command fails.
-pub fn study() -> Result<Vec<Row>> {
-    let folder = tempfile::tempdir()?;
-    let mut rows = Vec::with_capacity(ROWS.len());
-    for of_one_number in ROWS.chunk_by(|a, b| a.0 == b.0) {
-        let plan = Plan::make(folder.path(), of_one_number[0].0)?;
-        let mut robots = vec![Vec::new(); of_one_number.len()];
-        for seed in SEEDS {
-            let measured = measured(folder.path(), &plan, seed)?;
-            for (row, robots) in of_one_number.iter().zip(&mut robots) {
-                robots.push(adjusted(&measured, *row)?);
+impl Adjusted {
+    /// Plans the poses.
+    ///
+    /// # Errors
+    /// If the program fails.
+    pub fn new() -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let plans = groups().map(|rows| Plan::make(folder.path(), rows[0].0));
+        Ok(Self {
+            plans: plans.collect::<Result<_>>()?,
+            folder,
+        })
+    }
+}
+
+/// Rows of each number of poses.
+fn groups() -> impl Iterator<Item = &'static [Row]> {
+    ROWS.chunk_by(|a, b| a.0 == b.0)
+}
+
+/// Which number of poses, and the seed.
+type Case = (usize, u64);
+
+impl Study for Adjusted {
+    type Case = Case;
+    /// For each row of this number of poses.
+    type Outcome = Vec<Figures>;
+
+    fn cases(&self) -> Result<Vec<Case>> {
+        let of = |group| SEEDS.map(move |seed| (group, seed));
+        Ok((0..self.plans.len()).flat_map(of).collect())
+    }
+
+    fn run(&self, (group, seed): &Case) -> Result<Option<Vec<Figures>>> {
+        let folder = tempfile::tempdir_in(self.folder.path())?;
+        let measured = measured(folder.path(), &self.plans[*group], *seed)?;
+        let rows = groups().nth(*group).context("a group")?;
+        let figures = rows.iter().map(|row| adjusted(&measured, *row));
+        figures.collect::<Result<_>>().map(Some)
+    }
+
+    fn table(&self, outcomes: &[(Case, Vec<Figures>)]) -> Result<String> {
+        let mut table = Table::new(
+            "poses | method | home measured | position accuracy before, mm | after, mm | better by, % | expected, mm | home exact, mm | circle before, mm | after, mm | below 0.3 mm",
+        );
+        for (index, (rows, plan)) in groups().zip(&self.plans).enumerate() {
+            let of_group = outcomes.iter().filter(|((group, _), _)| *group == index);
+            for (k, row) in rows.iter().enumerate() {
+                let robots = of_group.clone().map(|(_, figures)| figures[k]);
+                table.row(cells(row, plan, &robots.collect::<Vec<_>>())?);
             }
         }
-        for (&(poses, method, home), robots) in of_one_number.iter().zip(robots) {
-            let is_planned = method == "joint";
-            rows.push(Row {
-                poses,
-                method,
-                home,
-                expected_m: is_planned.then(|| plan.expected_m(home)).transpose()?,
-                robots,
-            });
-        }
+        Ok(table.text())
     }
-    Ok(rows)
 }
 
 /// The poses that all robots measure, and what their plan promises.
+#[derive(Debug)]
 struct Plan {
     file: PathBuf,
     document: Value,
@@ -89,7 +118,7 @@ struct Plan {
 
 impl Plan {
     fn make(folder: &Path, poses: usize) -> Result<Self> {
-        let file = folder.join("plan.csv");
+        let file = folder.join(format!("plan-{poses}.csv"));
         let poses = poses.to_string();
         let arguments = ["plan", "mini", "--poses", &poses, "--json", "-"];
         let document = answer(&[&arguments[..], &["--out", text(&file)?]].concat())?;
@@ -116,9 +145,6 @@ const TARGETS: [&str; 2] = ["--targets", "cube,circle"];
 /// The session of a robot that was measured and verified.
 fn measured(folder: &Path, plan: &Plan, seed: u64) -> Result<PathBuf> {
     let file = folder.join("measured.json");
-    if file.exists() {
-        fs::remove_file(&file)?;
-    }
     let (seed, poses) = (seed.to_string(), text(&plan.file)?);
     let new = ["--robot", "mini", "--plan", poses, "--seed", &seed];
     told("measure", &file, &new)?;
@@ -126,7 +152,7 @@ fn measured(folder: &Path, plan: &Plan, seed: u64) -> Result<PathBuf> {
     Ok(file)
 }
 
-fn adjusted(measured: &Path, (_, method, home): (usize, &str, Option<usize>)) -> Result<Figures> {
+fn adjusted(measured: &Path, (_, method, home): Row) -> Result<Figures> {
     let file = measured.with_file_name("adjusted.json");
     fs::copy(measured, &file)?;
     if let Some(repeats) = home {
@@ -172,44 +198,33 @@ fn answer(arguments: &[&str]) -> Result<Value> {
     Ok(serde_json::from_slice(&output.stdout)?)
 }
 
-/// The table.
-#[must_use]
-pub fn markdown(rows: &[Row]) -> String {
-    let mut text = "| poses | method | home measured | position accuracy before, mm | after, mm | better by, % | expected, mm | home exact, mm | circle before, mm | after, mm | below 0.3 mm |\n|---|---|---|---|---|---|---|---|---|---|---|\n".to_owned();
-    for row in rows {
-        let of = |get: &dyn Fn(&Figures) -> f64| {
-            let mut values: Vec<f64> = row.robots.iter().map(get).collect();
-            values.sort_by(f64::total_cmp);
-            values
-        };
-        let mm = |get: &dyn Fn(&Figures) -> f64| range(&of(&|f| get(f) * 1e3), 2);
-        let close = row.robots.iter().filter(|f| f.circle[1] < 3e-4).count();
-        text.push_str(&format!(
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {close} of {} |\n",
-            row.poses,
-            row.method,
-            row.home
-                .map_or("drawing".to_owned(), |times| format!("{times}")),
-            mm(&|f| f.pose[0]),
-            mm(&|f| f.pose[1]),
-            range(&of(&|f| 100.0 * (1.0 - f.pose[1] / f.pose[0])), 0),
-            expected(row, 0),
-            expected(row, 1),
-            mm(&|f| f.circle[0]),
-            mm(&|f| f.circle[1]),
-            row.robots.len(),
-        ));
-    }
-    text
+/// A row of the table. Plans are made for one method.
+fn cells(&(poses, method, home): &Row, plan: &Plan, robots: &[Figures]) -> Result<String> {
+    let expected_m = (method == "joint")
+        .then(|| plan.expected_m(home))
+        .transpose()?;
+    let expected = expected_m.map(|expected| expected.map(|m| format!("{:.2}", 1e3 * m)));
+    let [expected, home_exact] = expected.unwrap_or(["-", "-"].map(str::to_owned));
+    let mm = |get: fn(&Figures) -> f64| range(robots.iter().map(|f| 1e3 * get(f)), 2);
+    let better = robots.iter().map(|f| 100.0 * (1.0 - f.pose[1] / f.pose[0]));
+    let close = Share::of(robots, |f| f.circle[1] < 3e-4);
+    Ok(format!(
+        "{poses} | {method} | {} | {} | {} | {} | {expected} | {home_exact} | {} | {} | {} of {}",
+        home.map_or("drawing".to_owned(), |times| times.to_string()),
+        mm(|f| f.pose[0]),
+        mm(|f| f.pose[1]),
+        range(better, 0),
+        mm(|f| f.circle[0]),
+        mm(|f| f.circle[1]),
+        close.part,
+        close.whole,
+    ))
 }
 
-fn expected(row: &Row, which: usize) -> String {
-    let expected = row.expected_m.map(|values| values[which] * 1e3);
-    expected.map_or("-".to_owned(), |mm| format!("{mm:.2}"))
-}
-
-/// Median, least and greatest of sorted values.
-fn range(sorted: &[f64], decimals: usize) -> String {
+/// Median, least and greatest of values.
+fn range(values: impl Iterator<Item = f64>, decimals: usize) -> String {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;
     let median = match sorted.len() % 2 {
         0 => 0.5 * (sorted[middle - 1] + sorted[middle]),

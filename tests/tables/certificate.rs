@@ -1,85 +1,89 @@
 //! Coverage of the expanded uncertainties of certificates, over simulated robots whose drawings, parts and readings are all off by
 //! what is stated.
 
-use std::fmt::Write as _;
+use std::ops::Range;
 
 use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
 use tautline_core::estimation::{Control, Method};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::PartTolerances;
-use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 use tautline_study::{drawn_entry_points, monte_carlo};
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 use tautline_workflow::report::CoverageInterval;
 
-use super::parallel::in_parallel;
+use super::counting::{Share, by_name, median, total};
+use super::markdown::Table;
+use super::simulated::{PRESETS, preset};
+use super::study::Study;
 
-/// Robots, in turn.
-const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
+/// Seed of the first robot.
+pub const FIRST_SEED: u64 = 2_026_000;
 /// Poses of each data set.
 const POSES: usize = 25;
+/// Draws of the Monte Carlo.
+const DRAWS: usize = 2000;
 
-/// Coordinates whose interval holds the true place.
-#[derive(Debug, Clone, Copy, Default)]
-struct Held {
-    coordinates: usize,
-    held: usize,
+/// Robots with these seeds, the presets in turn, and what a Monte Carlo says of the first of each.
+#[derive(Debug)]
+pub struct Certificate(pub Range<u64>);
+
+/// Coordinates of one robot.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Those whose interval holds the true place.
+    held: Share,
     /// Sum of the coverage factors.
     factors: f64,
 }
 
-/// Identifies so many robots and counts the coordinates within their expanded uncertainties.
-///
-/// # Errors
-/// If a robot cannot be simulated or identified.
-pub fn coverage(robots: u64, first_seed: u64) -> Result<String> {
-    let seeds: Vec<u64> = (first_seed..first_seed + robots).collect();
-    let held = in_parallel(&seeds, None, |seed| held(*seed));
-    let mut text = String::from(
-        "| robot | robots | coordinates | within U | mean k |\n|---|--:|--:|--:|--:|\n",
-    );
-    let mut all = Held::default();
-    for (index, robot) in ROBOTS.iter().enumerate() {
-        let mut sum = Held::default();
-        let mut sets = 0;
-        for (seed, one) in seeds.iter().zip(&held) {
-            if *seed % 4 != index as u64 {
-                continue;
-            }
-            let one = one.as_ref().map_err(|error| anyhow::anyhow!("{error}"))?;
-            sets += 1;
-            sum.add(one);
+impl Study for Certificate {
+    type Case = u64;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<u64>> {
+        Ok(self.0.clone().collect())
+    }
+
+    fn run(&self, seed: &u64) -> Result<Option<Outcome>> {
+        let (fit, truth) = identified(*seed)?;
+        let mut outcome = Outcome::default();
+        for one in uncertain(&fit)? {
+            let place = fit.solution.globals.entry_points[one.cable][one.axis];
+            let off = place - truth[one.cable][one.axis];
+            outcome.held.count(off.abs() <= one.factor * one.sd_m);
+            outcome.factors += one.factor;
         }
-        all.add(&sum);
-        writeln!(text, "| {robot} | {sets} | {} |", sum.row())?;
-    }
-    writeln!(text, "| all | {robots} | {} |", all.row())?;
-    Ok(text)
-}
-
-impl Held {
-    fn add(&mut self, other: &Self) {
-        self.coordinates += other.coordinates;
-        self.held += other.held;
-        self.factors += other.factors;
+        Ok(Some(outcome))
     }
 
-    fn row(&self) -> String {
-        let count = self.coordinates as f64;
-        format!(
-            "{} | {:.1} % | {:.2}",
-            self.coordinates,
-            100.0 * self.held as f64 / count,
-            self.factors / count
-        )
+    fn table(&self, outcomes: &[(u64, Outcome)]) -> Result<String> {
+        let mut table = Table::of_numbers("robot | robots | coordinates | within U | mean k");
+        for (name, all) in by_name(&PRESETS, outcomes, |seed| robot(*seed)) {
+            let held: Share = total(&all, |one| one.held);
+            let factors: f64 = total(&all, |one| one.factors);
+            table.row(format_args!(
+                "{name} | {} | {} | {:.1} % | {:.2}",
+                all.len(),
+                held.whole,
+                100.0 * held.part as f64 / held.whole as f64,
+                factors / held.whole as f64
+            ));
+        }
+        let first = self.0.start;
+        let (propagation, recomputation) = (propagation(first)?, recomputation(first)?);
+        Ok(format!("{}\n{propagation}\n{recomputation}", table.text()))
     }
 }
 
-/// A robot as it is, simulated and identified.
+fn robot(seed: u64) -> &'static str {
+    PRESETS[seed as usize % PRESETS.len()]
+}
+
+/// A robot as it is, simulated and identified, and the true entry points (m).
 fn identified(seed: u64) -> Result<(Identification, Vec<[f64; 3]>)> {
-    let name = ROBOTS[(seed % 4) as usize];
-    let mut robot = presets::find(name).context("a preset")?.robot;
+    let mut robot = preset(robot(seed))?.robot;
     robot.tolerances = Some(PartTolerances::typical());
     let simulated = simulate(&robot, &SimulationOptions::new(POSES, seed))?;
     let truth = simulated.truth.cables.iter();
@@ -88,66 +92,58 @@ fn identified(seed: u64) -> Result<(Identification, Vec<[f64; 3]>)> {
     Ok((identify(&request, &mut |_| Control::Continue)?, truth))
 }
 
-fn held(seed: u64) -> Result<Held> {
-    let (fit, truth) = identified(seed)?;
+/// A coordinate of an entry point that has an interval.
+struct Coordinate {
+    cable: usize,
+    axis: usize,
+    /// Coverage factor and standard deviation (m).
+    factor: f64,
+    sd_m: f64,
+}
+
+fn uncertain(fit: &Identification) -> Result<Vec<Coordinate>> {
     let budget = fit.budget().context("a budget")?;
     let document = fit.document();
-    let mut sum = Held::default();
-    for (index, cable) in fit.dataset.robot.cables.iter().enumerate() {
-        let Some(factor) = budget.coverage_factor_of(&cable.name) else {
-            continue;
-        };
-        for axis in 0..3 {
-            let sd = document.entry_points_sd_m[index][axis];
+    let mut all = Vec::new();
+    for (cable, of) in fit.dataset.robot.cables.iter().enumerate() {
+        let factor = budget.coverage_factor_of(&of.name);
+        for (axis, sd_m) in document.entry_points_sd_m[cable].iter().enumerate() {
             // Coordinates that are known exactly have no interval.
-            let Some(sd) = sd.filter(|sd| *sd > 0.0) else {
-                continue;
-            };
-            let off = fit.solution.globals.entry_points[index][axis] - truth[index][axis];
-            sum.coordinates += 1;
-            sum.held += usize::from(off.abs() <= factor * sd);
-            sum.factors += factor;
+            if let Some((factor, sd_m)) = factor.zip(sd_m.filter(|sd| *sd > 0.0)) {
+                all.push(Coordinate {
+                    cable,
+                    axis,
+                    factor,
+                    sd_m,
+                });
+            }
         }
     }
-    Ok(sum)
+    Ok(all)
 }
 
 /// Widths of the intervals by propagation of distributions over those of the linear budget, for one robot of each kind.
-///
-/// # Errors
-/// If a robot cannot be simulated or identified.
-pub fn propagation(draws: usize, first_seed: u64) -> Result<String> {
-    let mut text = String::from(
-        "| robot | draws that converged | width by Monte Carlo over linear, median | least | most |\n|---|--:|--:|--:|--:|\n",
+fn propagation(first_seed: u64) -> Result<String> {
+    let mut table = Table::of_numbers(
+        "robot | draws that converged | width by Monte Carlo over linear, median | least | most",
     );
-    for (index, robot) in ROBOTS.iter().enumerate() {
+    for (index, robot) in PRESETS.iter().enumerate() {
         let (fit, _) = identified(4 * first_seed.div_ceil(4) + index as u64)?;
-        let budget = fit.budget().context("a budget")?;
-        let document = fit.document();
-        let drawn = monte_carlo(&fit, draws);
-        let mut ratios = Vec::new();
-        for (index, cable) in fit.dataset.robot.cables.iter().enumerate() {
-            let factor = budget.coverage_factor_of(&cable.name);
-            for axis in 0..3 {
-                let sd = document.entry_points_sd_m[index][axis];
-                if let Some((factor, sd)) = factor.zip(sd.filter(|sd| *sd > 0.0)) {
-                    let CoverageInterval { from_m, to_m } = drawn.entry_points[index][axis];
-                    ratios.push((to_m - from_m) / (2.0 * factor * sd));
-                }
-            }
-        }
-        ratios.sort_by(f64::total_cmp);
-        let at = |place: usize| ratios.get(place).copied().unwrap_or(f64::NAN);
-        writeln!(
-            text,
-            "| {robot} | {} of {draws} | {:.2} | {:.2} | {:.2} |",
+        let drawn = monte_carlo(&fit, DRAWS);
+        let ratios = uncertain(&fit)?.into_iter().map(|one| {
+            let CoverageInterval { from_m, to_m } = drawn.entry_points[one.cable][one.axis];
+            (to_m - from_m) / (2.0 * one.factor * one.sd_m)
+        });
+        let ratios: Vec<f64> = ratios.collect();
+        table.row(format_args!(
+            "{robot} | {} of {DRAWS} | {:.2} | {:.2} | {:.2}",
             drawn.converged,
-            at(ratios.len() / 2),
-            at(0),
-            at(ratios.len().saturating_sub(1))
-        )?;
+            median(ratios.iter().copied()),
+            ratios.iter().copied().fold(f64::NAN, f64::min),
+            ratios.iter().copied().fold(f64::NAN, f64::max)
+        ));
     }
-    Ok(text)
+    Ok(table.text())
 }
 
 /// An input that can be put back to its value in the first data set.
@@ -179,19 +175,17 @@ const SOURCES: [(&str, Restore); 6] = [
 ];
 
 /// Share of each source in the variance of all entry points, by the budget and by what the variance of identifications from drawn
-/// inputs loses when this source is not drawn.
-///
-/// # Errors
-/// If a robot cannot be simulated or identified.
-pub fn recomputation(draws: usize, first_seed: u64) -> Result<String> {
-    let mut text = String::from(
-        "| robot | source | share by the budget | share by recomputation without it |\n|---|---|--:|--:|\n",
+/// inputs loses when this source is not drawn, for one robot of each kind.
+fn recomputation(first_seed: u64) -> Result<String> {
+    let mut table = Table::aligned(
+        "llr",
+        "robot | source | share by the budget | share by recomputation without it",
     );
-    for (index, robot) in ROBOTS.iter().enumerate() {
+    for (index, robot) in PRESETS.iter().enumerate() {
         let (fit, _) = identified(4 * first_seed.div_ceil(4) + index as u64)?;
         let budget = fit.budget().context("a budget")?;
         let variance = |change: &(dyn Fn(&mut Dataset) + Sync)| {
-            variance_of_all(&drawn_entry_points(&fit, draws, change))
+            variance_of_all(&drawn_entry_points(&fit, DRAWS, change))
         };
         let whole = variance(&|_| ());
         let budgets = || budget.pulleys.iter().map(|pulley| &pulley.budget);
@@ -203,15 +197,14 @@ pub fn recomputation(draws: usize, first_seed: u64) -> Result<String> {
                 continue;
             }
             let without = variance(&|drawn| restore(drawn, &fit.dataset));
-            writeln!(
-                text,
-                "| {robot} | {source} | {:.1} % | {:.1} % |",
+            table.row(format_args!(
+                "{robot} | {source} | {:.1} % | {:.1} %",
                 100.0 * by_budget,
                 100.0 * (1.0 - without / whole)
-            )?;
+            ));
         }
     }
-    Ok(text)
+    Ok(table.text())
 }
 
 /// Sum of the sample variances of all coordinates (m^2).

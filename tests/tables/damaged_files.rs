@@ -11,9 +11,12 @@ use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::markdown::table;
 use crate::support::program::{Folder, program};
 use crate::support::python::python;
 
+/// Seed of the damage.
+pub const SEED: u64 = 51_000;
 /// Limit of memory of an import (GiB), and of the address space of every command (bytes).
 const LIMIT_GIB: u64 = 2;
 const LIMIT_BYTES: u64 = LIMIT_GIB << 30;
@@ -187,10 +190,8 @@ pub fn study(files: usize, seed: u64) -> Result<BTreeMap<String, Outcome>> {
 /// The table of the documentation.
 #[must_use]
 pub fn markdown(outcomes: &BTreeMap<String, Outcome>) -> String {
-    let mut text = String::from(
-        "| files | damaged | still readable | refused in a sentence | panics, aborts, time limits | peak memory | longest |\n|---|---|---|---|---|---|---|\n",
-    );
     let mut all = Outcome::default();
+    let mut rows = Vec::new();
     for (kind, outcome) in outcomes {
         let name = match kind.as_str() {
             "foreign_file" => "logs, recordings, tables and robots of other programs",
@@ -201,7 +202,7 @@ pub fn markdown(outcomes: &BTreeMap<String, Outcome>) -> String {
             "session_file" => "sessions",
             other => other,
         };
-        text += &row(name, outcome);
+        rows.push(outcome.row(name));
         all.files += outcome.files;
         all.read += outcome.read;
         all.refused += outcome.refused;
@@ -209,21 +210,23 @@ pub fn markdown(outcomes: &BTreeMap<String, Outcome>) -> String {
         all.peak_bytes = all.peak_bytes.max(outcome.peak_bytes);
         all.longest_s = all.longest_s.max(outcome.longest_s);
     }
-    text + &row("all", &all)
+    rows.push(all.row("all"));
+    table(
+        "files | damaged | still readable | refused in a sentence | panics, aborts, time limits | peak memory | longest",
+        rows,
+    )
 }
 
-fn row(name: &str, outcome: &Outcome) -> String {
-    let Outcome {
-        files,
-        read,
-        refused,
-        faults,
-        peak_bytes,
-        longest_s,
-    } = outcome;
-    format!(
-        "| {name} | {files} | {read} | {refused} | {} | {} MiB | {longest_s:.1} s |\n",
-        faults.len(),
-        peak_bytes >> 20,
-    )
+impl Outcome {
+    fn row(&self, name: &str) -> String {
+        format!(
+            "{name} | {} | {} | {} | {} | {} MiB | {:.1} s",
+            self.files,
+            self.read,
+            self.refused,
+            self.faults.len(),
+            self.peak_bytes >> 20,
+            self.longest_s,
+        )
+    }
 }

@@ -1,24 +1,26 @@
 //! Patterns hidden in simulated readings: how often the formulas that `formulas` lists are the hidden ones.
 
-use std::fmt::Write as _;
-use std::sync::Arc;
+use std::ops::Range;
 
 use anyhow::{Context, Result};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tautline_core::diagnosis::DiagnosisOptions;
+use serde::{Deserialize, Serialize};
 use tautline_core::effect::{EffectSetting, Hypothesis};
-use tautline_core::estimation::{Control, Options, Problem, solve};
+use tautline_core::estimation::{Control, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
-use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::formulas::{
     Formula, PatternDocument, Reading, find_formulas, formulas, unexplained,
 };
 
-use crate::tables::lives::{ROBOTS, drawing, share};
+use super::counting::{Share, by_name, count, total};
+use super::lives::{ROBOTS, drawing, robot};
+use super::markdown::Table;
+use super::simulated::{asked, exp_uniform, solved, timed};
+use super::study::Study;
 
 /// A hypothesis that no effect of the catalogue looks like: an error that depends on two quantities together, with another id and
 /// order of factors than the grammar's.
@@ -42,32 +44,62 @@ const POSES: usize = 40;
 /// Root mean square of the hidden error over the noise of the readings, log-uniform.
 const SIZE: [f64; 2] = [4.0, 40.0];
 
-/// Counts over data sets.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    sets: usize,
-    /// Those in which the doctor leaves something unexplained.
-    unexplained: usize,
-    first: usize,
-    listed: usize,
-    /// Those in which only other patterns are listed, and those with none.
-    others: usize,
-    none: usize,
+/// Seed of the first data set.
+pub const FIRST_SEED: u64 = 44_000;
+
+/// Data sets with these seeds, each with a hidden pattern.
+#[derive(Debug)]
+pub struct Formulas(pub Range<u64>);
+
+/// What is found in a data set.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Outcome {
+    /// What is listed if the doctor leaves something unexplained.
+    listed: Option<Listed>,
+}
+
+/// A list of patterns.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Listed {
+    patterns: usize,
+    /// Place of the hidden pattern.
+    place: Option<usize>,
     seconds: f64,
 }
 
-/// Hides patterns in `sets` data sets, from a first seed on.
-///
-/// # Errors
-/// If a robot cannot be simulated or diagnosed.
-pub fn study(sets: usize, first_seed: u64) -> Result<Vec<(&'static str, Counts)>> {
-    let mut found: Vec<(&'static str, Counts)> =
-        ROBOTS.map(|name| (name, Counts::default())).into();
-    for set in 0..sets {
-        let (name, counts) = &mut found[set % ROBOTS.len()];
-        one(name, first_seed + set as u64, counts).with_context(|| format!("{name}, set {set}"))?;
+impl Study for Formulas {
+    type Case = u64;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<u64>> {
+        Ok(self.0.clone().collect())
     }
-    Ok(found)
+
+    fn run(&self, seed: &u64) -> Result<Option<Outcome>> {
+        let listed = one(robot(*seed), 10_000 * seed)?;
+        Ok(Some(Outcome { listed }))
+    }
+
+    fn table(&self, outcomes: &[(u64, Outcome)]) -> Result<String> {
+        let mut table = Table::of_numbers(
+            "robot | data sets | something is unexplained | the hidden pattern is first | in the list | only others | none | mean s",
+        );
+        for (name, all) in by_name(&ROBOTS, outcomes, |seed| robot(*seed)) {
+            let listed: Vec<&Listed> = all.iter().filter_map(|one| one.listed.as_ref()).collect();
+            let seconds: f64 = total(&listed, |one| one.seconds);
+            table.row(format_args!(
+                "{name} | {} | {} | {} | {} | {} | {} | {:.1}",
+                all.len(),
+                listed.len(),
+                Share::of(&listed, |one| one.place == Some(0)),
+                Share::of(&listed, |one| one.place.is_some()),
+                count(&listed, |one| one.place.is_none() && one.patterns > 0),
+                count(&listed, |one| one.patterns == 0),
+                seconds / listed.len().max(1) as f64,
+            ));
+        }
+        Ok(table.text())
+    }
 }
 
 /// A formula of the grammar for the lengths of a robot, and the size at which its error has a root mean square.
@@ -84,7 +116,7 @@ fn hidden(
     let mut clean = simulate(truth, &options)?.dataset;
     clean.robot = drawing.clone();
     let problem = Problem::new(&clean)?;
-    let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
+    let solution = solved(&problem)?;
     let all = formulas(Reading::Length, &clean, &solution);
     let formula = all.choose(rng).context("a formula")?.clone();
     let hypothesis = Hypothesis::parse(&formula.text)?;
@@ -93,7 +125,7 @@ fn hidden(
     // Typical sizes are those of errors of 0.1 to 10 mm.
     let per_metre = (low * high).sqrt() / 1e-3;
     let noise_m = drawing.cables[0].winch.length_sd_m;
-    let times = rng.random_range(SIZE[0].ln()..SIZE[1].ln()).exp();
+    let times = exp_uniform(SIZE, rng);
     let value = per_metre * noise_m * times;
     let cable = &drawing.cables[rng.random_range(0..drawing.cable_count())];
     let parameters = effect.parameters().iter();
@@ -105,8 +137,7 @@ fn hidden(
     Ok((formula, setting))
 }
 
-fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
-    let seed = 10_000 * seed;
+fn one(name: &str, seed: u64) -> Result<Option<Listed>> {
     let mut drawing = drawing(name)?;
     drawing.tolerances = Some(PartTolerances::typical());
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -123,27 +154,21 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
         robot: drawing,
         measurements,
     };
-    let started = std::time::Instant::now();
-    let alpha = DiagnosisOptions::default().alpha;
-    let asked = (alpha, TIME_LIMIT_S);
-    let diagnosed = diagnose_dataset(Arc::new(dataset), asked, &mut |_| Control::Continue)?;
-    counts.sets += 1;
-    if unexplained(&diagnosed).is_empty() {
-        return Ok(());
-    }
-    counts.unexplained += 1;
-    let found = find_formulas(&diagnosed, &mut |_| Control::Continue)?;
-    counts.seconds += started.elapsed().as_secs_f64();
-    let patterns = found.map(|found| found.patterns()).unwrap_or_default();
-    let place = place_of(&patterns, &formula.id, &setting.targets);
-    match (place, patterns.is_empty()) {
-        (Some(0), _) => counts.first += 1,
-        (Some(_), _) => {}
-        (None, false) => counts.others += 1,
-        (None, true) => counts.none += 1,
-    }
-    counts.listed += usize::from(place.is_some());
-    Ok(())
+    let (found, seconds) = timed(|| -> Result<_> {
+        let diagnosed = asked(dataset)?;
+        if unexplained(&diagnosed).is_empty() {
+            return Ok(None);
+        }
+        let found = find_formulas(&diagnosed, &mut |_| Control::Continue)?;
+        Ok(Some(
+            found.map(|found| found.patterns()).unwrap_or_default(),
+        ))
+    });
+    Ok(found?.map(|patterns| Listed {
+        patterns: patterns.len(),
+        place: place_of(&patterns, &formula.id, &setting.targets),
+        seconds,
+    }))
 }
 
 /// Place of a formula on its targets in a list.
@@ -154,44 +179,4 @@ pub(crate) fn place_of(
 ) -> Option<usize> {
     let is_it = |one: &PatternDocument| one.effect == effect && one.targets == targets;
     patterns.iter().position(is_it)
-}
-
-/// The table in Markdown.
-#[must_use]
-pub fn markdown(found: &[(&'static str, Counts)]) -> String {
-    let mut text = String::from(
-        "| robot | data sets | something is unexplained | the hidden pattern is first | in the list | only others | none | mean s |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    let mut all = Counts::default();
-    for (_, counts) in found {
-        all.add(counts);
-    }
-    for (name, counts) in found.iter().map(|(n, c)| (*n, c)).chain([("all", &all)]) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "| {name} | {} | {} | {} | {} | {} | {} | {:.1} |",
-            counts.sets,
-            counts.unexplained,
-            share(counts.first, counts.unexplained),
-            share(counts.listed, counts.unexplained),
-            counts.others,
-            counts.none,
-            counts.seconds / counts.unexplained.max(1) as f64,
-        );
-    }
-    text
-}
-
-impl Counts {
-    fn add(&mut self, other: &Self) {
-        self.sets += other.sets;
-        self.unexplained += other.unexplained;
-        self.first += other.first;
-        self.listed += other.listed;
-        self.others += other.others;
-        self.none += other.none;
-        self.seconds += other.seconds;
-    }
 }

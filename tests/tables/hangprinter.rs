@@ -4,14 +4,17 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use tautline_core::diagnosis::{Cause, DiagnosisOptions, Finding, Verdict, diagnose};
+use tautline_core::diagnosis::{Cause, Finding, Verdict};
 use tautline_core::effect::{EffectRequest, find};
 use tautline_core::estimation::{
-    Analysis, Control, Geometry, Globals, ObservationKind, Options, Poses, Problem, Solution, solve,
+    Analysis, Geometry, Globals, ObservationKind, Poses, Problem, Solution,
 };
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_session::read_dataset;
+
+use super::markdown::table;
+use super::simulated::{diagnosed, solved};
 
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
@@ -62,8 +65,7 @@ pub struct Opinion {
 pub fn opinion(folder: &Path) -> Result<Opinion> {
     let series2 = read_dataset(&folder.join("series2"))?.dataset;
     let series1 = read_dataset(&folder.join("series1"))?.dataset;
-    let options = DiagnosisOptions::default();
-    let diagnosis = diagnose(&series2, &options, &mut |_| Control::Continue)?;
+    let (diagnosis, _) = diagnosed(&series2)?;
     let model = diagnosis.extended_solution.globals.model(&series2.robot);
     let of = |cause: &Cause| (cause.effect().id(), cause.cables());
     let of_drums = |f: &&Finding| f.causes().any(|cause| cause.effect().id() == "drum_growth");
@@ -88,19 +90,16 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
 /// The diagnosis as Markdown.
 #[must_use]
 pub fn opinion_markdown(opinion: &Opinion) -> String {
-    let mut text = String::from(
-        "The model doctor, asked about series 2 without a hint:\n\n| verdict | held out, rms over sd | sentence |\n|---|---|---|\n",
-    );
-    for ((verdict, _), (sentence, before, after)) in opinion.findings.iter().zip(&opinion.lines) {
-        text.push_str(&format!(
-            "| {verdict:?} | {before:.2} to {after:.2} | {sentence} |\n"
-        ));
-    }
-    text.push_str(&format!(
-        "\nIts model predicts the lengths of series 1, poses held at the camera's values, to {:.2} mm rms.\n",
+    let findings = opinion.findings.iter().zip(&opinion.lines);
+    let rows = findings.map(|((verdict, _), (sentence, before, after))| {
+        format!("{verdict:?} | {before:.2} to {after:.2} | {sentence}")
+    });
+    format!(
+        "The model doctor, asked about series 2 without a hint:\n\n{}\n\
+         Its model predicts the lengths of series 1, poses held at the camera's values, to {:.2} mm rms.\n",
+        table("verdict | held out, rms over sd | sentence", rows),
         opinion.other_rms_m * 1e3
-    ));
-    text
+    )
 }
 
 /// The models that are compared.
@@ -127,7 +126,7 @@ fn row(effects: &'static [&'static str], series2: &Dataset, series1: &Dataset) -
     let other = with_robot(series1, &whole_model);
     let mut problem = Problem::new(&other)?;
     problem.geometry = Geometry::Held;
-    let other_fit = run(&problem)?;
+    let other_fit = solved(&problem)?;
     let build_up = find("drum_growth")
         .context("no build-up of the drum")?
         .title();
@@ -152,12 +151,6 @@ fn row(effects: &'static [&'static str], series2: &Dataset, series1: &Dataset) -
     })
 }
 
-fn run(problem: &Problem<'_>) -> Result<Solution> {
-    Ok(solve(problem, &Options::default(), &mut |_| {
-        Control::Continue
-    })?)
-}
-
 fn fit(dataset: &Dataset, effects: &[&str], poses: Poses) -> Result<Solution> {
     let requests: Vec<_> = effects
         .iter()
@@ -166,7 +159,7 @@ fn fit(dataset: &Dataset, effects: &[&str], poses: Poses) -> Result<Solution> {
     let mut problem = Problem::new(dataset)?;
     problem.poses = poses;
     problem.free(&requests)?;
-    run(&problem)
+    solved(&problem)
 }
 
 fn with_robot(dataset: &Dataset, robot: &Robot) -> Dataset {
@@ -181,7 +174,7 @@ fn length_rms(dataset: &Dataset, rows: Option<&[usize]>) -> Result<f64> {
     let mut problem = Problem::new(dataset)?;
     problem.geometry = Geometry::Held;
     problem.poses = Poses::HeldAtTracker;
-    let analysis = Analysis::new(&problem, &run(&problem)?);
+    let analysis = Analysis::new(&problem, &solved(&problem)?);
     let squares: Vec<f64> = analysis
         .observations
         .iter()
@@ -219,20 +212,16 @@ fn held_out(dataset: &Dataset, effects: &[&str]) -> Result<f64> {
 /// The table as Markdown.
 #[must_use]
 pub fn markdown(rows: &[ModelRow]) -> String {
-    let mut text = String::from(
-        "| freed besides anchors | chi-square | dof | build-up per motor revolution | lengths, poses held, rms mm | 5-fold held out mm | series 1: chi-square | dof | lengths, poses held, rms mm |\n|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let effects = if row.effects.is_empty() {
-            "-".to_owned()
-        } else {
-            row.effects.join(", ")
+    let rows = rows.iter().map(|row| {
+        let effects = match row.effects {
+            [] => "-".to_owned(),
+            effects => effects.join(", "),
         };
         let growth = row.growth.map_or("-".to_owned(), |(value, sd)| {
             format!("({:.2} ± {:.2})e-4", value * 1e4, sd * 1e4)
         });
-        text.push_str(&format!(
-            "| {effects} | {:.1} | {:.0} | {growth} | {:.2} | {:.2} | {:.1} | {:.0} | {:.2} |\n",
+        format!(
+            "{effects} | {:.1} | {:.0} | {growth} | {:.2} | {:.2} | {:.1} | {:.0} | {:.2}",
             row.chi2,
             row.dof,
             row.held_rms_m * 1e3,
@@ -240,7 +229,10 @@ pub fn markdown(rows: &[ModelRow]) -> String {
             row.other_chi2,
             row.other_dof,
             row.other_rms_m * 1e3,
-        ));
-    }
-    text
+        )
+    });
+    table(
+        "freed besides anchors | chi-square | dof | build-up per motor revolution | lengths, poses held, rms mm | 5-fold held out mm | series 1: chi-square | dof | lengths, poses held, rms mm",
+        rows,
+    )
 }

@@ -1,13 +1,14 @@
 //! Health checks of simulated robots with known truth: false alarms, what is found as predicted, and what is named.
 
-use std::fmt::Write as _;
+use std::ops::Range;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use nalgebra::Vector3;
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, UnitSphere};
-use tautline_core::effect::{EffectSetting, every_effect};
+use serde::{Deserialize, Serialize};
+use tautline_core::effect::{EffectSetting, Scope, every_effect};
 use tautline_core::geometry::Pose;
 use tautline_core::history::RobotPart;
 use tautline_core::measurement::Dataset;
@@ -19,7 +20,11 @@ use tautline_core::simulation::{
 use tautline_session::{Session, Timestamp};
 use tautline_workflow::health::{Baseline, Checked, HealthVerdict, POSES};
 
-use crate::tables::lives::{ROBOTS, drawing, share};
+use super::counting::{Share, by_name, median, total};
+use super::lives::{ROBOTS, drawing, robot};
+use super::markdown::Table;
+use super::simulated::{exp_uniform, random_sign, setting, stream, timed};
+use super::study::Study;
 
 /// Poses of a baseline.
 const BASELINE_POSES: usize = 40;
@@ -31,45 +36,102 @@ const FAULT: [f64; 2] = [0.1, 1.0];
 /// Bins of the predicted probability of detection.
 const BINS: [f64; 6] = [0.0, 0.1, 0.4, 0.7, 0.95, 1.0 + f64::EPSILON];
 
-/// What checks of changed robots came to.
-#[derive(Debug, Clone, Copy, Default)]
-struct Outcomes {
-    checks: usize,
-    changed: usize,
-    undecided: usize,
-    named: usize,
-    wrong: usize,
+/// Seed of the first robot.
+pub const FIRST_SEED: u64 = 45_000;
+
+/// Robots with these seeds, in turn.
+#[derive(Debug)]
+pub struct Health(pub Range<u64>);
+
+/// What the check of a changed robot comes to.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Change {
+    is_found: bool,
+    is_undecided: bool,
+    /// Whether the right part is named, if one is.
+    is_right: Option<bool>,
 }
 
-/// Counts over robots.
-#[derive(Debug, Clone, Default)]
-pub struct Counts {
-    unchanged: usize,
-    alarms: usize,
+/// What the checks of one robot come to.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Alarms of the unchanged robot, and its recording at work.
+    alarms: Share,
     undecided: usize,
-    /// Recordings of unchanged robots at work, and alarms.
-    worked: usize,
-    work_alarms: usize,
-    moves: Outcomes,
-    faults: Outcomes,
-    /// Moves by their predicted probability: sum of the predictions, number, found.
-    predicted: [(f64, usize, usize); 5],
+    is_alarm_at_work: bool,
+    moved: Change,
+    /// Probability of finding the move, as predicted.
+    predicted: Option<f64>,
+    fault: Option<Change>,
     seconds: Vec<f64>,
 }
 
-/// Checks `robots` robots, from a first seed on.
-///
-/// # Errors
-/// If a robot cannot be simulated or identified.
-pub fn study(robots: usize, first_seed: u64) -> Result<Vec<(&'static str, Counts)>> {
-    let mut found: Vec<(&'static str, Counts)> =
-        ROBOTS.map(|name| (name, Counts::default())).into();
-    for robot in 0..robots {
-        let (name, counts) = &mut found[robot % ROBOTS.len()];
-        one(name, first_seed + robot as u64, counts)
-            .with_context(|| format!("{name}, robot {robot}"))?;
+impl Study for Health {
+    type Case = u64;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<u64>> {
+        Ok(self.0.clone().collect())
     }
-    Ok(found)
+
+    fn run(&self, seed: &u64) -> Result<Option<Outcome>> {
+        one(robot(*seed), 10_000 * seed).map(Some)
+    }
+
+    fn table(&self, outcomes: &[(u64, Outcome)]) -> Result<String> {
+        let mut table = Table::of_numbers(
+            "robot | unchanged: alarm | undecided | at work without laser, unchanged: alarm | pulley moved: found | undecided | named | named wrongly | fault: found | undecided | named | named wrongly | median ms",
+        );
+        for (name, all) in by_name(&ROBOTS, outcomes, |seed| robot(*seed)) {
+            let faults = all.iter().filter_map(|one| one.fault);
+            table.row(format_args!(
+                "{name} | {} | {} | {} | {} | {} | {:.0}",
+                total(&all, |one| one.alarms),
+                total(&all, |one| one.undecided),
+                Share::of(&all, |one| one.is_alarm_at_work),
+                changes(all.iter().map(|one| one.moved).collect()),
+                changes(faults.collect()),
+                1e3 * median(all.iter().flat_map(|one| one.seconds.clone())),
+            ));
+        }
+        Ok(format!("{}\n{}", table.text(), predictions(outcomes)))
+    }
+}
+
+fn changes(all: Vec<Change>) -> String {
+    let count = |is: fn(&&Change) -> bool| all.iter().filter(is).count();
+    format!(
+        "{} | {} | {} | {}",
+        Share::of(&all, |one| one.is_found),
+        count(|one| one.is_undecided),
+        count(|one| one.is_right == Some(true)),
+        count(|one| one.is_right == Some(false)),
+    )
+}
+
+/// Moves by their predicted probability of being found.
+fn predictions(outcomes: &[(u64, Outcome)]) -> String {
+    let mut table = Table::of_numbers(
+        "predicted probability of finding the move | moves | mean prediction | found",
+    );
+    for edges in BINS.windows(2) {
+        let moves = outcomes.iter().filter_map(|(_, one)| {
+            let predicted = one.predicted?;
+            (edges[0]..edges[1])
+                .contains(&predicted)
+                .then_some((predicted, one.moved.is_found))
+        });
+        let found = Share::of(moves.clone(), |(_, is_found)| is_found);
+        let sum = moves.fold(0.0, |sum, (predicted, _)| sum + predicted);
+        table.row(format_args!(
+            "{:.0} to {:.0} % | {} | {:.0} % | {found}",
+            100.0 * edges[0],
+            100.0 * edges[1],
+            found.whole,
+            100.0 * sum / found.whole.max(1) as f64,
+        ));
+    }
+    table.text()
 }
 
 /// A true robot with the calibration that it is checked against, and the poses of the checks.
@@ -145,40 +207,36 @@ fn readings(drawing: &Robot, truth: &Robot, options: SimulationOptions) -> Resul
     Ok(dataset)
 }
 
-fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
-    let machine = Machine::new(name, 10_000 * seed)?;
-    let mut rng = ChaCha8Rng::seed_from_u64(10_000 * seed);
-    rng.set_stream(3);
+fn one(name: &str, seed: u64) -> Result<Outcome> {
+    let machine = Machine::new(name, seed)?;
+    let mut rng = stream(seed, 3);
     let mut expected = None;
+    let (mut alarms, mut undecided, mut seconds) = (Share::default(), 0, Vec::new());
     for number in 0..UNCHANGED {
-        let started = std::time::Instant::now();
-        let checked = machine.check(&machine.truth, 2 + number as u64)?;
-        counts.seconds.push(started.elapsed().as_secs_f64());
-        counts.unchanged += 1;
-        counts.alarms += usize::from(checked.verdict == HealthVerdict::Changed);
-        counts.undecided += usize::from(checked.verdict == HealthVerdict::Undecided);
+        let (checked, spent_s) = timed(|| machine.check(&machine.truth, 2 + number as u64));
+        let checked = checked?;
+        seconds.push(spent_s);
+        alarms.count(checked.verdict == HealthVerdict::Changed);
+        undecided += usize::from(checked.verdict == HealthVerdict::Undecided);
         // The prediction needs no readings of its own: it is the same with all of an unchanged robot.
         expected.get_or_insert(checked);
     }
     let worked = machine.work(9)?;
-    counts.worked += 1;
-    counts.work_alarms += usize::from(worked.verdict == HealthVerdict::Changed);
     let (cable, by) = moved(&machine.drawing, &mut rng);
     let mut truth = machine.truth.clone();
     let entry = &mut truth.cables[cable].pulley.entry_point_m;
     *entry = [0, 1, 2].map(|axis| entry[axis] + by[axis]);
     let checked = machine.check(&truth, 10)?;
-    let is_it = |part: &RobotPart| *part == RobotPart::Pulley(cable);
-    counts.moves.add(&checked, is_it);
-    let name = &machine.drawing.cables[cable].name;
-    let predicted = expected.and_then(|expected| expected.detection(name, by.norm()));
-    if let Some(predicted) = predicted {
-        let bin = BINS.partition_point(|edge| *edge <= predicted) - 1;
-        let (sum, all, found) = &mut counts.predicted[bin];
-        *sum += predicted;
-        *all += 1;
-        *found += usize::from(checked.verdict == HealthVerdict::Changed);
-    }
+    let cable_name = &machine.drawing.cables[cable].name;
+    let mut outcome = Outcome {
+        alarms,
+        undecided,
+        is_alarm_at_work: worked.verdict == HealthVerdict::Changed,
+        moved: Change::of(&checked, |part| *part == RobotPart::Pulley(cable)),
+        predicted: expected.and_then(|expected| expected.detection(cable_name, by.norm())),
+        fault: None,
+        seconds,
+    };
     if let Some(fault) = fault(&machine.drawing, &mut rng) {
         let mut truth = machine.truth.clone();
         truth.effects.push(fault.clone());
@@ -189,13 +247,9 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
             } => *effect == fault.effect && *targets == fault.targets,
             RobotPart::Pulley(_) | RobotPart::TargetPlane => false,
         };
-        counts.faults.add(&checked, is_it);
+        outcome.fault = Some(Change::of(&checked, is_it));
     }
-    Ok(())
-}
-
-fn log_uniform(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
-    rng.random_range(low.ln()..high.ln()).exp()
+    Ok(outcome)
 }
 
 /// A pulley and how it moved, along the axes that are not known exactly.
@@ -207,117 +261,36 @@ fn moved(drawing: &Robot, rng: &mut ChaCha8Rng) -> (usize, Vector3<f64>) {
         Some(0.0) => 0.0,
         _ => along[axis],
     });
-    (cable, along.normalize() * log_uniform(rng, MOVE_M))
+    (cable, along.normalize() * exp_uniform(MOVE_M, rng))
 }
 
 /// A fault of one cable: an effect of the catalogue whose parts have tolerances and that has one number.
 fn fault(drawing: &Robot, rng: &mut ChaCha8Rng) -> Option<EffectSetting> {
     let all = every_effect().filter(|effect| effect.has_tolerance());
-    let of_cable: Vec<_> = all
-        .filter(|effect| {
-            let is_of_cable = effect.scope() == tautline_core::effect::Scope::Cable;
-            is_of_cable && effect.parameters().len() == 1
-        })
+    let of_cable = all.filter(|effect| effect.scope() == Scope::Cable);
+    let of_cable: Vec<_> = of_cable
+        .filter(|effect| effect.parameters().len() == 1)
         .collect();
     let effect = of_cable.get(rng.random_range(0..of_cable.len().max(1)))?;
-    let cable = &drawing.cables[rng.random_range(0..drawing.cable_count())];
+    let cable = &drawing.cables[rng.random_range(0..drawing.cable_count())].name;
     let parameter = effect.parameters()[0];
     let [_, largest] = parameter.typical_sizes();
-    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-    let value = parameter.neutral + sign * largest * log_uniform(rng, FAULT);
-    Some(EffectSetting {
-        effect: effect.id().to_owned(),
-        targets: vec![cable.name.clone()],
-        parameters: [(parameter.name.to_owned(), value)].into(),
-    })
+    let value = parameter.neutral + random_sign(rng) * largest * exp_uniform(FAULT, rng);
+    Some(setting(
+        effect.id(),
+        &[cable.as_str()],
+        parameter.name,
+        value,
+    ))
 }
 
-impl Outcomes {
-    fn add(&mut self, checked: &Checked, is_it: impl Fn(&RobotPart) -> bool) {
+impl Change {
+    fn of(checked: &Checked, is_it: impl Fn(&RobotPart) -> bool) -> Self {
         let named = checked.certain();
-        let is_right = named.map(|jump| is_it(&checked.found.history.parts[jump.part]));
-        self.checks += 1;
-        self.changed += usize::from(checked.verdict == HealthVerdict::Changed);
-        self.undecided += usize::from(checked.verdict == HealthVerdict::Undecided);
-        self.named += usize::from(is_right == Some(true));
-        self.wrong += usize::from(is_right == Some(false));
-    }
-
-    fn sum(self, other: Self) -> Self {
         Self {
-            checks: self.checks + other.checks,
-            changed: self.changed + other.changed,
-            undecided: self.undecided + other.undecided,
-            named: self.named + other.named,
-            wrong: self.wrong + other.wrong,
+            is_found: checked.verdict == HealthVerdict::Changed,
+            is_undecided: checked.verdict == HealthVerdict::Undecided,
+            is_right: named.map(|jump| is_it(&checked.found.history.parts[jump.part])),
         }
-    }
-}
-
-/// The tables in Markdown.
-#[must_use]
-pub fn markdown(found: &[(&'static str, Counts)]) -> String {
-    let mut text = String::from(
-        "| robot | unchanged: alarm | undecided | at work without laser, unchanged: alarm | pulley moved: found | undecided | named | named wrongly | fault: found | undecided | named | named wrongly | median ms |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    let mut all = Counts::default();
-    for (_, counts) in found {
-        all.add(counts);
-    }
-    for (name, counts) in found.iter().map(|(n, c)| (*n, c)).chain([("all", &all)]) {
-        let mut seconds = counts.seconds.clone();
-        seconds.sort_by(f64::total_cmp);
-        let of = |one: &Outcomes| {
-            format!(
-                "{} | {} | {} | {}",
-                share(one.changed, one.checks),
-                one.undecided,
-                one.named,
-                one.wrong
-            )
-        };
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "| {name} | {} | {} | {} | {} | {} | {:.0} |",
-            share(counts.alarms, counts.unchanged),
-            counts.undecided,
-            share(counts.work_alarms, counts.worked),
-            of(&counts.moves),
-            of(&counts.faults),
-            1e3 * seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
-        );
-    }
-    text += "\n| predicted probability of finding the move | moves | mean prediction | found |\n|---|--:|--:|--:|\n";
-    for (edges, (sum, count, found)) in BINS.windows(2).zip(all.predicted) {
-        let mean = sum / count.max(1) as f64;
-        let _ = writeln!(
-            text,
-            "| {:.0} to {:.0} % | {count} | {:.0} % | {} |",
-            100.0 * edges[0],
-            100.0 * edges[1],
-            100.0 * mean,
-            share(found, count)
-        );
-    }
-    text
-}
-
-impl Counts {
-    fn add(&mut self, other: &Self) {
-        self.unchanged += other.unchanged;
-        self.alarms += other.alarms;
-        self.undecided += other.undecided;
-        self.worked += other.worked;
-        self.work_alarms += other.work_alarms;
-        self.moves = self.moves.sum(other.moves);
-        self.faults = self.faults.sum(other.faults);
-        for (own, other) in self.predicted.iter_mut().zip(&other.predicted) {
-            own.0 += other.0;
-            own.1 += other.1;
-            own.2 += other.2;
-        }
-        self.seconds.extend(&other.seconds);
     }
 }

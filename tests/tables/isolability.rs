@@ -1,7 +1,5 @@
 //! Predicted probabilities of detection and confusion against simulation: random pairs of faults on random robots.
 
-use std::fmt::Write as _;
-
 use anyhow::{Context, Result};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -9,13 +7,16 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::diagnosis::{Cause, Isolability, is_confused, is_seen, isolability, log_odds};
 use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Pose;
-use tautline_core::robot::presets::{self, Preset};
+use tautline_core::robot::presets::Preset;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{TrueGeometry, simulate};
 
-use crate::tables::hidden::clopper_pearson;
-use crate::tables::truth::preset_options;
+use super::counting::Share;
+use super::markdown::table;
+use super::simulated::{preset, preset_options};
 
+/// Numbers of pairs and of data sets of each, and the seed.
+pub const STUDY: (usize, usize, u64) = (30, 60, 2027);
 /// Robots among which is drawn, and their poses.
 const ROBOTS: [&str; 3] = ["mini", "suspended", "planar"];
 const POSES: usize = 25;
@@ -28,14 +29,14 @@ pub struct Compared {
     /// Predicted.
     pub predicted: f64,
     /// Data sets in which it happened, of all.
-    pub happened: [usize; 2],
+    pub happened: Share,
 }
 
 impl Compared {
     /// Whether the prediction is in the 95 % interval of the simulation (Clopper and Pearson).
     #[must_use]
     pub fn agrees(&self) -> bool {
-        let [low, high] = clopper_pearson(self.happened[0], self.happened[1]);
+        let [low, high] = self.happened.interval();
         (low..=high).contains(&self.predicted)
     }
 }
@@ -63,7 +64,7 @@ struct Place {
 
 impl Place {
     fn new(name: &'static str, seed: u64) -> Result<Self> {
-        let mut preset = presets::find(name).context("a preset")?;
+        let mut preset = preset(name)?;
         let mut options = preset_options(&preset, POSES, seed);
         options.geometry = TrueGeometry::Nominal;
         options.noise = false;
@@ -111,7 +112,7 @@ impl Place {
 ///
 /// # Errors
 /// If a robot cannot be simulated.
-pub fn study(count: usize, data_sets: usize, seed: u64) -> Result<Vec<Pair>> {
+pub fn study((count, data_sets, seed): (usize, usize, u64)) -> Result<Vec<Pair>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let places: Result<Vec<Place>> = ROBOTS
         .iter()
@@ -134,25 +135,25 @@ fn pair(place: &Place, [present, other]: [usize; 2], data_sets: usize, seed: u64
     let causes: Vec<Cause> = faults.iter().map(|fault| fault.cause.clone()).collect();
     let robot = &place.preset.robot;
     let hidden = settings(robot, &causes[0]);
-    let (mut seen, mut confused) = (0, 0);
+    let (mut seen, mut confused) = (Share::default(), Share::default());
     for k in 0..data_sets {
         let mut options = preset_options(&place.preset, POSES, seed.wrapping_add(k as u64));
         options.effects.clone_from(&hidden);
         let data = simulate(robot, &options.commanding(place.poses.clone()))?.dataset;
         let found = log_odds(&data, &causes)?;
-        seen += usize::from(is_seen(found[0]));
-        confused += usize::from(is_confused(found[0], found[1]));
+        seen.count(is_seen(found[0]));
+        confused.count(is_confused(found[0], found[1]));
     }
     Ok(Pair {
         robot: place.name,
         names: [0, 1].map(|k| name(robot, &causes[k])),
         detection: Compared {
             predicted: faults[0].detection,
-            happened: [seen, data_sets],
+            happened: seen,
         },
         confusion: Compared {
             predicted: place.expected.pair(present, other).confusion,
-            happened: [confused, data_sets],
+            happened: confused,
         },
     })
 }
@@ -173,52 +174,48 @@ fn name(robot: &Robot, cause: &Cause) -> String {
     }
 }
 
-/// Predictions that agree with the simulation, of all: of detection and of confusion.
+/// Predictions that agree with the simulation: of detection and of confusion.
 #[must_use]
-pub fn agreeing(pairs: &[Pair]) -> [[usize; 2]; 2] {
-    let count = |of: fn(&Pair) -> &Compared| {
-        let agree = pairs.iter().filter(|pair| of(pair).agrees()).count();
-        [agree, pairs.len()]
-    };
-    [count(|pair| &pair.detection), count(|pair| &pair.confusion)]
+pub fn agreeing(pairs: &[Pair]) -> [Share; 2] {
+    let share = |of: fn(&Pair) -> &Compared| Share::of(pairs, |pair| of(pair).agrees());
+    [share(|pair| &pair.detection), share(|pair| &pair.confusion)]
 }
 
 /// The table.
 #[must_use]
 pub fn markdown(pairs: &[Pair]) -> String {
-    let mut text = "| robot | fault present | other | seen: predicted | simulated (95 %) | not told apart: predicted | simulated (95 %) |\n\
-                    |---|---|---|---|---|---|---|\n"
-        .to_owned();
-    let percent = |value: f64| format!("{:.0} %", 100.0 * value);
-    let cells = |compared: &Compared| {
-        let [happened, all] = compared.happened;
-        let [low, high] = clopper_pearson(happened, all).map(percent);
-        let mark = if compared.agrees() {
-            ""
-        } else {
-            " **outside**"
-        };
-        let rate = percent(happened as f64 / all as f64);
-        format!(
-            "{} | {rate} ({low} to {high}){mark}",
-            percent(compared.predicted)
-        )
-    };
-    for pair in pairs {
-        let [present, other] = &pair.names;
+    let rows = pairs.iter().map(|pair| {
+        let Pair {
+            robot,
+            names: [present, other],
+            ..
+        } = pair;
         let (seen, confused) = (cells(&pair.detection), cells(&pair.confusion));
-        let _ = writeln!(
-            text,
-            "| {} | {present} | {other} | {seen} | {confused} |",
-            pair.robot
-        );
-    }
-    let [seen, confused] = agreeing(pairs);
-    let _ = writeln!(
-        text,
-        "\nThe prediction lies in the 95 % interval of the simulation for {} of {} probabilities of detection and {} of {} of \
-         confusion.",
-        seen[0], seen[1], confused[0], confused[1]
+        format!("{robot} | {present} | {other} | {seen} | {confused}")
+    });
+    let table = table(
+        "robot | fault present | other | seen: predicted | simulated (95 %) | not told apart: predicted | simulated (95 %)",
+        rows,
     );
-    text
+    let [seen, confused] = agreeing(pairs);
+    format!(
+        "{table}\nThe prediction lies in the 95 % interval of the simulation for {} of {} probabilities of detection and {} of {} of \
+         confusion.\n",
+        seen.part, seen.whole, confused.part, confused.whole
+    )
+}
+
+fn cells(compared: &Compared) -> String {
+    let percent = |value: f64| format!("{:.0} %", 100.0 * value);
+    let [low, high] = compared.happened.interval().map(percent);
+    let mark = if compared.agrees() {
+        ""
+    } else {
+        " **outside**"
+    };
+    let (predicted, rate) = (
+        percent(compared.predicted),
+        percent(compared.happened.ratio()),
+    );
+    format!("{predicted} | {rate} ({low} to {high}){mark}")
 }

@@ -14,6 +14,7 @@ use serde_json::json;
 use tautline_link::Controller;
 use tautline_session::{Outcome, Session, read_session};
 
+use super::markdown::table;
 use crate::support::ads::symbols::Style;
 use crate::support::ads::{Host, Plant, Protocol, User};
 use crate::support::program::{Answer, Folder, beside, killed, on_disk, run, spawn};
@@ -59,6 +60,9 @@ pub struct Kills {
     /// What should not have happened, in words.
     pub faults: Vec<String>,
 }
+
+/// Seed of the moments.
+pub const SEED: u64 = 50_000;
 
 /// Kills so many measuring runs, so many adjustments and so many of two adjustments at once over a protocol.
 ///
@@ -368,29 +372,27 @@ impl Bench {
 /// The table of the documentation.
 #[must_use]
 pub fn markdown(all: &[Kills]) -> String {
-    let mut text = String::from(
-        "| link | runs of each kind | measuring, killed amid the poses | adjusting, killed amid the writing: old, new, mixed values found | pairs of two programs: both, one, none wrote | lost, repeated, not settled or told wrongly |\n|---|---|---|---|---|---|\n",
-    );
-    for kills in all {
+    let rows = all.iter().map(|kills| {
         let link = match kills.protocol {
             Protocol::Ads => "ADS",
             Protocol::OpcUa => "OPC UA, security None",
             Protocol::OpcUaEncrypted => "OPC UA, SignAndEncrypt with a user",
         };
         let found = |word: &str| kills.amid_values.get(word).copied().unwrap_or(0);
-        text += &format!(
-            "| {link} | {} | {} | {}, {}, {} | {}: {}, {}, {} | {} |\n",
+        let [both, one, none] = kills.written;
+        format!(
+            "{link} | {} | {} | {}, {}, {} | {}: {both}, {one}, {none} | {}",
             kills.runs,
             kills.amid_poses,
             found("old"),
             found("new"),
             found("mixed"),
             kills.pairs,
-            kills.written[0],
-            kills.written[1],
-            kills.written[2],
             kills.faults.len(),
-        );
-    }
-    text
+        )
+    });
+    table(
+        "link | runs of each kind | measuring, killed amid the poses | adjusting, killed amid the writing: old, new, mixed values found | pairs of two programs: both, one, none wrote | lost, repeated, not settled or told wrongly",
+        rows,
+    )
 }

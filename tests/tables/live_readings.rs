@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 use serde_json::json;
 use tautline_link::{Controller, Sample};
 
+use super::markdown::table;
 use crate::support::ads::symbols::{Style, global};
 use crate::support::ads::{Plant, Protocol};
 
@@ -122,11 +123,8 @@ fn cycles(times_s: &[f64]) -> usize {
 /// The table of the documentation.
 #[must_use]
 pub fn markdown(all: &[Delivered]) -> String {
-    let mut text = String::from(
-        "| link | readings | per second | cycles of 10 ms without a reading | age on receipt: median | 95 % | maximum |\n|---|---|---|---|---|---|---|\n",
-    );
-    for delivered in all {
-        let ms = |time: Duration| time.as_millis();
+    let ms = |time: Duration| time.as_millis();
+    let rows = all.iter().map(|delivered| {
         let way = match delivered.way {
             Way::Asked(Duration::ZERO) => "polled continuously".to_owned(),
             Way::Asked(pause) => format!("polled every {} ms", ms(pause)),
@@ -135,15 +133,18 @@ pub fn markdown(all: &[Delivered]) -> String {
         let mut ages_s = delivered.ages_s.clone();
         ages_s.sort_by(f64::total_cmp);
         let age = |share: f64| 1e3 * ages_s[(share * (ages_s.len() - 1) as f64).round() as usize];
-        text += &format!(
-            "| {} | {way} | {:.0} | {:.1} % | {:.2} ms | {:.2} ms | {:.2} ms |\n",
+        format!(
+            "{} | {way} | {:.0} | {:.1} % | {:.2} ms | {:.2} ms | {:.2} ms",
             delivered.protocol,
             delivered.per_s,
             100.0 * delivered.lost,
             age(0.5),
             age(0.95),
             age(1.0),
-        );
-    }
-    text
+        )
+    });
+    table(
+        "link | readings | per second | cycles of 10 ms without a reading | age on receipt: median | 95 % | maximum",
+        rows,
+    )
 }

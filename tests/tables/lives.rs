@@ -1,19 +1,21 @@
 //! Simulated lives of robots with known truth: what the history of their sessions finds, how often what it states is true, and
 //! whether a calibration comes in time.
 
-use std::fmt::Write as _;
+use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
 use nalgebra::{DVector, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, UnitSphere};
+use serde::{Deserialize, Serialize};
 use tautline_core::comparison::Identified;
 use tautline_core::effect::{BoundEffect, EffectSetting};
-use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
+use tautline_core::estimation::{Problem, Solution};
 use tautline_core::geometry::Pose;
 use tautline_core::history::{
-    CERTAIN, DatedRun, Forecast, History, OUT_OF_TOLERANCE, RobotPart, Tolerance, forecast, smooth,
+    CERTAIN, DatedRun, Forecast, History, Jump, OUT_OF_TOLERANCE, RobotPart, Tolerance, forecast,
+    smooth,
 };
 use tautline_core::planning::position_weights;
 use tautline_core::robot::{Robot, presets};
@@ -22,8 +24,12 @@ use tautline_core::simulation::{
 };
 use tautline_workflow::templates::Template;
 
-use crate::tables::hidden::{VISIBLE, clopper_pearson};
-use crate::tables::table1::position_errors;
+use super::counting::{Share, by_name, median, total};
+use super::hidden::VISIBLE;
+use super::markdown::Table;
+use super::simulated::{NORMAL_95, exp_uniform, random_sign, setting, solved, stream, timed};
+use super::study::Study;
+use super::table1::position_errors;
 
 /// Robots, in turn: four presets, and the template of a facade at its usual size.
 pub(crate) const ROBOTS: [&str; 5] = ["mini", "hall", "suspended", "planar", "facade"];
@@ -48,8 +54,8 @@ const TOLERANCE_M: f64 = 5e-3;
 /// the workspace where it is looked at.
 const POSITION_FACTOR: f64 = 3.0;
 const PLACES: usize = 60;
-/// Two-sided 95 %.
-const QUANTILE: f64 = 1.959_964;
+/// Seed of the first life.
+pub const FIRST_SEED: u64 = 43_000;
 
 /// What was hidden in a life.
 struct Truth {
@@ -73,10 +79,8 @@ struct Drum {
 impl Drum {
     fn draw(cables: usize, rng: &mut ChaCha8Rng) -> Self {
         let scale = |rng: &mut ChaCha8Rng| {
-            let size = rng
-                .random_range(WINCH_SCALE[0].ln()..WINCH_SCALE[1].ln())
-                .exp();
-            if rng.random_bool(0.5) { size } else { -size }
+            let size = exp_uniform(WINCH_SCALE, rng);
+            random_sign(rng) * size
         };
         let first = rng.random_range(1..SESSIONS);
         let mut scales = vec![0.0; SESSIONS];
@@ -94,11 +98,8 @@ impl Drum {
     /// The effect in a session, if it has it.
     fn effect(&self, robot: &Robot, session: usize) -> Option<EffectSetting> {
         let scale = self.scales[session];
-        (scale != 0.0).then(|| EffectSetting {
-            effect: "winch_scale".to_owned(),
-            targets: vec![robot.cables[self.cable].name.clone()],
-            parameters: [("scale".to_owned(), scale)].into(),
-        })
+        let target = robot.cables[self.cable].name.as_str();
+        (scale != 0.0).then(|| setting("winch_scale", &[target], "scale", scale))
     }
 
     /// Sessions before a change, with its size.
@@ -111,45 +112,73 @@ impl Drum {
     }
 }
 
-/// Counts over lives.
-#[derive(Debug, Clone, Default)]
-pub struct Counts {
-    lives: usize,
-    visible: usize,
-    found: usize,
-    dated: usize,
-    /// Intervals of a pulley without a jump, and those with a certain one.
-    quiet: usize,
-    false_jumps: usize,
-    /// Changes of a drum that are visible, and those found.
-    drums: usize,
-    drums_found: usize,
-    numbers: usize,
-    covered: usize,
-    /// Drifts found, those of pulleys that do not drift, and coordinates of rates with those covered.
-    drifts: usize,
-    false_drifts: usize,
-    rates: usize,
-    rates_covered: usize,
-    /// Dates of the next calibration, and robots out of tolerance then; for a tolerance of pulleys, and of the position.
-    dates: [usize; 2],
-    late: [usize; 2],
-    seconds: Vec<f64>,
+/// Lives of robots with these seeds, the robots in turn.
+#[derive(Debug)]
+pub struct Lives(pub Range<u64>);
+
+/// What is found in one life.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Visible jumps that are found, and those that are dated between two sessions.
+    found: Share,
+    dated: Share,
+    /// Visible changes of a drum that are found.
+    drums: Share,
+    /// Intervals of a part without a jump in which one is certain.
+    false_jumps: Share,
+    /// Values in their intervals.
+    values: Share,
+    /// Drifts that are found, of pulleys that do not drift.
+    false_drifts: Share,
+    /// Coordinates of rates in their intervals.
+    rates: Share,
+    /// Robots out of tolerance at the date of their next calibration, for a tolerance of pulleys, and of the position.
+    late: [Share; 2],
+    seconds: f64,
 }
 
-/// Follows `lives` robots, from a first seed on.
-///
-/// # Errors
-/// If a robot cannot be simulated or identified.
-pub fn study(lives: usize, first_seed: u64) -> Result<Vec<(&'static str, Counts)>> {
-    let mut found: Vec<(&'static str, Counts)> =
-        ROBOTS.map(|name| (name, Counts::default())).into();
-    for life in 0..lives {
-        let (name, counts) = &mut found[life % ROBOTS.len()];
-        follow(name, first_seed + life as u64, counts)
-            .with_context(|| format!("{name}, life {life}"))?;
+impl Study for Lives {
+    type Case = u64;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<u64>> {
+        Ok(self.0.clone().collect())
     }
-    Ok(found)
+
+    fn run(&self, seed: &u64) -> Result<Option<Outcome>> {
+        follow(robot(*seed), *seed).map(Some)
+    }
+
+    fn table(&self, outcomes: &[(u64, Outcome)]) -> Result<String> {
+        let mut table = Table::of_numbers(
+            "robot | lives | jumps visible | found | dated between two sessions | drums that changed visibly, found | false among quiet intervals | values covered | drifts found | of pulleys at rest | rates covered | a pulley out of tolerance at the date | the position out of tolerance at its date | median ms",
+        );
+        for (name, all) in by_name(&ROBOTS, outcomes, |seed| robot(*seed)) {
+            let sum = |share: fn(&Outcome) -> Share| total(&all, share);
+            let (found, drifts) = (sum(|one| one.found), sum(|one| one.false_drifts));
+            table.row(format_args!(
+                "{name} | {} | {} | {found} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1}",
+                all.len(),
+                found.whole,
+                sum(|one| one.dated),
+                sum(|one| one.drums),
+                sum(|one| one.false_jumps),
+                sum(|one| one.values),
+                drifts.whole,
+                drifts.part,
+                sum(|one| one.rates),
+                sum(|one| one.late[0]),
+                sum(|one| one.late[1]),
+                1e3 * median(all.iter().map(|one| one.seconds)),
+            ));
+        }
+        Ok(table.text())
+    }
+}
+
+/// The robot of a seed: those of the first seeds are in turn.
+pub(crate) fn robot(seed: u64) -> &'static str {
+    ROBOTS[seed as usize % ROBOTS.len()]
 }
 
 pub(crate) fn drawing(name: &str) -> Result<Robot> {
@@ -163,8 +192,7 @@ pub(crate) fn drawing(name: &str) -> Result<Robot> {
 }
 
 fn draw(drawing: &Robot, seed: u64) -> Result<Truth> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(1);
+    let mut rng = stream(seed, 1);
     let first = simulate(drawing, &SimulationOptions::new(1, seed))?.truth;
     let is_free = |axis: usize| {
         let pulleys = drawing
@@ -198,7 +226,7 @@ fn draw(drawing: &Robot, seed: u64) -> Result<Truth> {
         if session > 0 {
             days += rng.random_range(DAYS[0]..DAYS[1]);
             if rng.random_bool(JUMPS) {
-                let size = rng.random_range(JUMP_M[0].ln()..JUMP_M[1].ln()).exp();
+                let size = exp_uniform(JUMP_M, &mut rng);
                 let by = direction(&mut rng) * size;
                 truth
                     .jumps
@@ -218,15 +246,14 @@ fn draw(drawing: &Robot, seed: u64) -> Result<Truth> {
 
 impl Truth {
     /// By what the pulleys move in some days after the last session, with a seed and a stream of random numbers.
-    fn moved_after(&self, days: f64, (seed, stream): (u64, u64)) -> Vec<Vector3<f64>> {
-        let mut rng = ChaCha8Rng::seed_from_u64(10_000 * seed);
-        rng.set_stream(stream);
+    fn moved_after(&self, days: f64, (seed, number): (u64, u64)) -> Vec<Vector3<f64>> {
+        let mut rng = stream(10_000 * seed, number);
         let mean = 0.5 * (DAYS[0] + DAYS[1]);
         let mut moved: Vec<Vector3<f64>> = self.rates.iter().map(|rate| rate * days).collect();
         let mut day = mean;
         while day <= days {
             if rng.random_bool(JUMPS) {
-                let size = rng.random_range(JUMP_M[0].ln()..JUMP_M[1].ln()).exp();
+                let size = exp_uniform(JUMP_M, &mut rng);
                 let along = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
                 let cable = rng.random_range(0..moved.len());
                 moved[cable] += along.normalize() * size;
@@ -253,7 +280,7 @@ impl Truth {
     }
 }
 
-fn follow(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
+fn follow(name: &str, seed: u64) -> Result<Outcome> {
     let drawing = drawing(name)?;
     let truth = draw(&drawing, 10_000 * seed)?;
     let mut datasets = Vec::with_capacity(SESSIONS);
@@ -268,18 +295,18 @@ fn follow(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
         dataset.robot = drawing.clone();
         datasets.push(dataset);
     }
-    let mut solved: Vec<(Problem<'_>, Solution)> = Vec::with_capacity(SESSIONS);
+    let mut sessions: Vec<(Problem<'_>, Solution)> = Vec::with_capacity(SESSIONS);
     for (session, dataset) in datasets.iter().enumerate() {
         let mut problem = Problem::new(dataset)?;
         let drum = truth.drum.as_ref();
         if let Some(effect) = drum.and_then(|drum| drum.effect(&drawing, session)) {
             problem = problem.with_effects(vec![BoundEffect::to_estimate(&effect, &drawing)?]);
         }
-        let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
+        let solution = solved(&problem)?;
         ensure!(solution.converged(), "no convergence");
-        solved.push((problem, solution));
+        sessions.push((problem, solution));
     }
-    let runs: Vec<DatedRun<'_>> = solved
+    let runs: Vec<DatedRun<'_>> = sessions
         .iter()
         .zip(&truth.days)
         .map(|((problem, solution), days)| DatedRun {
@@ -288,15 +315,23 @@ fn follow(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
             follows_event: false,
         })
         .collect();
-    let started = std::time::Instant::now();
-    let history = smooth(&runs)?;
-    counts.seconds.push(started.elapsed().as_secs_f64());
-    counts.lives += 1;
-    count_jumps(&truth, &history, counts);
-    count_states(&truth, &history, counts);
-    count_dates(&truth, &history, seed, counts)?;
+    let (history, seconds) = timed(|| smooth(&runs));
+    let history = history?;
+    let mut outcome = Outcome {
+        drums: drums(&truth, &history),
+        seconds,
+        ..Outcome::default()
+    };
+    count_jumps(&truth, &history, &mut outcome);
+    count_drifts(&truth, &history, &mut outcome);
+    count_states(&truth, &history, &mut outcome.values);
     let last = runs[SESSIONS - 1].run;
-    count_dates_of_position(&truth, (&history, last), seed, counts)
+    let late = [
+        late(&truth, &history, seed)?,
+        late_position(&truth, (&history, last), seed)?,
+    ];
+    outcome.late = late.map(|late| Share::of(late, |late| late));
+    Ok(outcome)
 }
 
 /// Whether the sessions can show a jump of a part: its noncentrality is at least [`VISIBLE`], given the other changes that were
@@ -318,84 +353,86 @@ fn pulley_part(
     Some((part, by))
 }
 
-/// The changes of a drum: those that are visible, and found in their interval.
-fn count_drums(truth: &Truth, history: &History, counts: &mut Counts) -> usize {
-    let is_effect = |part: &RobotPart| matches!(part, RobotPart::Effect { .. });
-    let part = history.parts.iter().position(is_effect);
-    let Some((drum, part)) = truth.drum.as_ref().zip(part) else {
-        return 0;
+/// The visible changes of a drum that are found in their interval.
+fn drums(truth: &Truth, history: &History) -> Share {
+    let Some((drum, part)) = truth.drum.as_ref().zip(drum_part(history)) else {
+        return Share::default();
     };
-    for (before, by) in drum.changes() {
-        if is_visible(history, part, before, &DVector::from_element(1, by)) {
-            counts.drums += 1;
-            let found = history.jumps.iter().any(|jump| {
-                let contains = jump.between[0] <= before && before < jump.between[1];
-                jump.part == part && contains && jump.probability >= CERTAIN
-            });
-            counts.drums_found += usize::from(found);
-        }
-    }
-    drum.changes().count()
+    let visible = drum
+        .changes()
+        .filter(|(before, by)| is_visible(history, part, *before, &DVector::from_element(1, *by)));
+    Share::of(visible, |(before, _)| {
+        certain(history).any(|jump| jump.part == part && contains(jump, before))
+    })
 }
 
-fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
-    let certain = || {
-        history
-            .jumps
-            .iter()
-            .filter(|jump| jump.probability >= CERTAIN)
-    };
-    let pulley = |part: usize| match history.parts[part] {
+fn drum_part(history: &History) -> Option<usize> {
+    let is_effect = |part: &RobotPart| matches!(part, RobotPart::Effect { .. });
+    history.parts.iter().position(is_effect)
+}
+
+fn certain(history: &History) -> impl Iterator<Item = &Jump> + Clone {
+    let jumps = history.jumps.iter();
+    jumps.filter(|jump| jump.probability >= CERTAIN)
+}
+
+fn contains(jump: &Jump, session: usize) -> bool {
+    (jump.between[0]..jump.between[1]).contains(&session)
+}
+
+fn pulley(history: &History, part: usize) -> Option<usize> {
+    match history.parts[part] {
         RobotPart::Pulley(cable) => Some(cable),
         RobotPart::TargetPlane | RobotPart::Effect { .. } => None,
-    };
+    }
+}
+
+fn count_jumps(truth: &Truth, history: &History, outcome: &mut Outcome) {
     for (cable, after, by) in &truth.jumps {
         let of_pulley = pulley_part(history, *cable, by);
         if !of_pulley.is_some_and(|(part, by)| is_visible(history, part, *after, &by)) {
             continue;
         }
-        counts.visible += 1;
-        let own = certain().filter(|jump| pulley(jump.part) == Some(*cable));
-        let contains = |between: &[usize; 2]| between[0] <= *after && *after < between[1];
-        counts.found += usize::from(own.clone().any(|jump| contains(&jump.between)));
-        counts.dated += usize::from(own.clone().any(|jump| jump.between == [*after, *after + 1]));
+        let mut own = certain(history).filter(|jump| pulley(history, jump.part) == Some(*cable));
+        outcome
+            .dated
+            .count(own.clone().any(|jump| jump.between == [*after, *after + 1]));
+        outcome.found.count(own.any(|jump| contains(jump, *after)));
     }
-    let rewound = count_drums(truth, history, counts);
-    counts.quiet += history.parts.len() * (SESSIONS - 1) - truth.jumps.len() - rewound;
-    let is_false = |jump: &&tautline_core::history::Jump| {
+    let is_false = |jump: &&Jump| {
         if let (RobotPart::Effect { .. }, Some(drum)) = (&history.parts[jump.part], &truth.drum) {
-            let mut changes = drum.changes();
-            return changes
-                .all(|(before, _)| before < jump.between[0] || before >= jump.between[1]);
+            return !drum.changes().any(|(before, _)| contains(jump, before));
         }
-        let own = truth
-            .jumps
-            .iter()
-            .filter(|(cable, ..)| pulley(jump.part) == Some(*cable));
-        own.clone()
-            .all(|(_, after, _)| *after < jump.between[0] || *after >= jump.between[1])
+        let own = pulley(history, jump.part);
+        let mut jumps = truth.jumps.iter();
+        !jumps.any(|(cable, after, _)| own == Some(*cable) && contains(jump, *after))
     };
-    counts.false_jumps += certain().filter(is_false).count();
-    for drift in history
-        .drifts
-        .iter()
-        .filter(|drift| drift.probability >= CERTAIN)
-    {
-        let rate = pulley(drift.part).map_or_else(Vector3::zeros, |cable| truth.rates[cable]);
-        counts.drifts += 1;
-        counts.false_drifts += usize::from(rate == Vector3::zeros());
+    // A drum that no model of a session has is no part of the history.
+    let drum = truth.drum.as_ref().filter(|_| drum_part(history).is_some());
+    let rewound = drum.map_or(0, |drum| drum.changes().count());
+    outcome.false_jumps = Share {
+        part: certain(history).filter(is_false).count(),
+        whole: history.parts.len() * (SESSIONS - 1) - truth.jumps.len() - rewound,
+    };
+}
+
+fn count_drifts(truth: &Truth, history: &History, outcome: &mut Outcome) {
+    let drifts = history.drifts.iter();
+    for drift in drifts.filter(|drift| drift.probability >= CERTAIN) {
+        let cable = pulley(history, drift.part);
+        let rate = cable.map_or_else(Vector3::zeros, |cable| truth.rates[cable]);
+        outcome.false_drifts.count(rate == Vector3::zeros());
         for (k, axis) in history.axes[drift.part].iter().enumerate() {
             let off = drift.rate[k] - rate[*axis];
-            counts.rates += 1;
-            counts.rates_covered +=
-                usize::from(off.abs() < QUANTILE * drift.covariance[(k, k)].sqrt());
+            let sd = drift.covariance[(k, k)].sqrt();
+            outcome.rates.count(off.abs() < NORMAL_95 * sd);
         }
     }
 }
 
 /// Values in all sessions, in the datum of the first one: the common motion of all pulleys that fits the first session best is
 /// removed from the differences, as the datum is arbitrary by the uncertainty of the home pose.
-fn count_states(truth: &Truth, history: &History, counts: &mut Counts) {
+fn count_states(truth: &Truth, history: &History, values: &mut Share) {
     for (part, of) in history.parts.iter().enumerate() {
         let RobotPart::Pulley(cable) = of else {
             continue;
@@ -404,18 +441,17 @@ fn count_states(truth: &Truth, history: &History, counts: &mut Counts) {
             for (k, axis) in history.axes[part].iter().enumerate() {
                 let is = truth.robots[session].cables[*cable].pulley.entry_point_m[*axis];
                 let off = state.value[k] - is;
-                counts.numbers += 1;
-                counts.covered +=
-                    usize::from(off.abs() < QUANTILE * state.covariance[(k, k)].sqrt());
+                let sd = state.covariance[(k, k)].sqrt();
+                values.count(off.abs() < NORMAL_95 * sd);
             }
         }
     }
 }
 
-/// Lives each robot on until the date of its next calibration, and sees whether a pulley is out of tolerance then.
-fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts) -> Result<()> {
+/// Lives each robot on until the date of its next calibration, if it has one: whether a pulley is out of tolerance then.
+fn late(truth: &Truth, history: &History, seed: u64) -> Result<Option<bool>> {
     let Some(days) = date(&forecast(history, Tolerance::Pulley(TOLERANCE_M))?) else {
-        return Ok(());
+        return Ok(None);
     };
     let moved = truth.moved_after(days, (seed, 2));
     let count = truth.rates.len();
@@ -435,9 +471,7 @@ fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts)
         });
         off.sum::<f64>().sqrt() > TOLERANCE_M
     };
-    counts.dates[0] += 1;
-    counts.late[0] += usize::from((0..count).any(is_out));
-    Ok(())
+    Ok(Some((0..count).any(is_out)))
 }
 
 /// The date of a forecast, unless the values are too uncertain for one.
@@ -448,12 +482,11 @@ fn date(forecast: &Forecast) -> Option<f64> {
 }
 
 /// The same for the position error of the platform over the workspace, with the values of the last session in the controller.
-fn count_dates_of_position(
+fn late_position(
     truth: &Truth,
     (history, last): (&History, Identified<'_>),
     seed: u64,
-    counts: &mut Counts,
-) -> Result<()> {
+) -> Result<Option<bool>> {
     let drawing = &last.problem.dataset.robot;
     let workspace = Workspace::of(drawing);
     let parameters = &last.solution.parameters;
@@ -466,7 +499,7 @@ fn count_dates_of_position(
         last,
     };
     let Some(days) = date(&forecast(history, tolerance)?) else {
-        return Ok(());
+        return Ok(None);
     };
     let mut robot = truth.robots[SESSIONS - 1].clone();
     for (index, (cable, moved)) in robot
@@ -481,8 +514,7 @@ fn count_dates_of_position(
             cable.pulley.entry_point_m[*axis] += moved[*axis];
         }
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(10_000 * seed);
-    rng.set_stream(4);
+    let mut rng = stream(10_000 * seed, 4);
     let places = (0..PLACES).map(|_| Pose {
         orientation: workspace.centre.orientation,
         ..workspace.draw(drawing, &mut rng)
@@ -491,77 +523,5 @@ fn count_dates_of_position(
     let globals = &last.solution.globals;
     let believed = (&globals.entry_points[..], &globals.home);
     let [error_m, _] = position_errors(believed, (drawing, &robot), &places)?;
-    counts.dates[1] += 1;
-    counts.late[1] += usize::from(error_m > limit_m);
-    Ok(())
-}
-
-/// The table in Markdown.
-#[must_use]
-pub fn markdown(found: &[(&'static str, Counts)]) -> String {
-    let mut text = String::from(
-        "| robot | lives | jumps visible | found | dated between two sessions | drums that changed visibly, found | false among quiet intervals | values covered | drifts found | of pulleys at rest | rates covered | a pulley out of tolerance at the date | the position out of tolerance at its date | median ms |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    let mut all = Counts::default();
-    for (_, counts) in found {
-        all.add(counts);
-    }
-    for (name, counts) in found.iter().map(|(n, c)| (*n, c)).chain([("all", &all)]) {
-        let mut seconds = counts.seconds.clone();
-        seconds.sort_by(f64::total_cmp);
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} |",
-            counts.lives,
-            counts.visible,
-            share(counts.found, counts.visible),
-            share(counts.dated, counts.visible),
-            share(counts.drums_found, counts.drums),
-            share(counts.false_jumps, counts.quiet),
-            share(counts.covered, counts.numbers),
-            counts.drifts,
-            counts.false_drifts,
-            share(counts.rates_covered, counts.rates),
-            share(counts.late[0], counts.dates[0]),
-            share(counts.late[1], counts.dates[1]),
-            1e3 * seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
-        );
-    }
-    text
-}
-
-/// A share in percent with its 95 % interval.
-pub(crate) fn share(part: usize, whole: usize) -> String {
-    if whole == 0 {
-        return "-".to_owned();
-    }
-    let [low, high] = clopper_pearson(part, whole).map(|p| 100.0 * p);
-    let own = 100.0 * part as f64 / whole as f64;
-    format!("{part} of {whole}: {own:.1} % ({low:.1} to {high:.1})")
-}
-
-impl Counts {
-    fn add(&mut self, other: &Self) {
-        self.lives += other.lives;
-        self.visible += other.visible;
-        self.found += other.found;
-        self.dated += other.dated;
-        self.quiet += other.quiet;
-        self.false_jumps += other.false_jumps;
-        self.drums += other.drums;
-        self.drums_found += other.drums_found;
-        self.numbers += other.numbers;
-        self.covered += other.covered;
-        self.drifts += other.drifts;
-        self.false_drifts += other.false_drifts;
-        self.rates += other.rates;
-        self.rates_covered += other.rates_covered;
-        for tolerance in 0..2 {
-            self.dates[tolerance] += other.dates[tolerance];
-            self.late[tolerance] += other.late[tolerance];
-        }
-        self.seconds.extend(&other.seconds);
-    }
+    Ok(Some(error_m > limit_m))
 }

@@ -1,12 +1,13 @@
 //! Time and memory of `identify` where poses are very many.
 
 use std::fs;
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 
+use super::markdown::table;
+use crate::support::process::{PEAK, memory_mib};
 use crate::support::program::program;
 
 /// What one number of poses takes.
@@ -56,31 +57,31 @@ pub fn identify(poses: usize) -> Result<Taken> {
     })
 }
 
-/// Waits for the end; the most memory that it had at any time (MiB), which Linux counts.
+/// Waits for the end; the most memory that it had at any time (MiB).
 fn watched(child: &mut Child) -> Result<f64> {
-    let status = Path::new("/proc")
-        .join(child.id().to_string())
-        .join("status");
-    let mut peak_kib = 0.0;
+    let mut peak_mib = 0.0;
     while child.try_wait()?.is_none() {
-        let text = fs::read_to_string(&status).unwrap_or_default();
-        let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let number = peak.and_then(|rest| rest.split_whitespace().next()?.parse().ok());
-        peak_kib = f64::max(peak_kib, number.unwrap_or(0.0));
+        // There is none of a program that has just ended.
+        peak_mib = memory_mib(child.id(), PEAK).unwrap_or(peak_mib);
         std::thread::sleep(Duration::from_millis(20));
     }
-    Ok(peak_kib / 1024.0)
+    Ok(peak_mib)
 }
 
 /// The table, and what the program says.
 #[must_use]
 pub fn markdown(taken: &Taken) -> String {
-    format!(
-        "| poses | `poses.csv`, MB | time, s | most memory, MiB |\n|---|---|---|---|\n| {} | {:.0} | {:.1} | {:.0} |\n\n{}\n",
-        taken.poses,
-        taken.file_mb,
-        taken.seconds,
-        taken.peak_mib,
-        taken.says.join("  \n")
-    )
+    let Taken {
+        poses,
+        file_mb,
+        seconds,
+        peak_mib,
+        says,
+    } = taken;
+    let row = format!("{poses} | {file_mb:.0} | {seconds:.1} | {peak_mib:.0}");
+    let table = table(
+        "poses | `poses.csv`, MB | time, s | most memory, MiB",
+        [row],
+    );
+    format!("{table}\n{}\n", says.join("  \n"))
 }

@@ -2,6 +2,7 @@
 
 pub mod adjusted;
 pub mod certificate;
+pub mod counting;
 pub mod damaged_files;
 pub mod field;
 pub mod formulas;
@@ -14,11 +15,13 @@ pub mod kills;
 pub mod live_readings;
 pub mod lives;
 pub mod many_poses;
+pub mod markdown;
 pub mod motion;
 pub mod nist;
-pub mod parallel;
 pub mod random_robots;
+pub mod simulated;
 pub mod soak;
+pub mod study;
 pub mod study_speed;
 pub mod table1;
 pub mod tolerances;

@@ -12,6 +12,10 @@ use tautline_link::simulated::{Fault, SimulatedRobot, SimulatedSetup};
 use tautline_link::{Activity, Clock, Controller, GuardedController, Limits, ManualClock};
 use tautline_session::{RecoveryWriter, Session, Timestamp};
 
+use crate::support::process::{IN_USE, memory_mib};
+
+/// Seed of the run.
+pub const SEED: u64 = 52_000;
 /// Share of the poses after which a fault begins.
 const FAULTY: f64 = 0.1;
 /// Number of pauses at one pose after which the operator leaves it out.
@@ -55,15 +59,6 @@ fn fault(rng: &mut impl Rng) -> Fault {
         },
         _ => Fault::ConnectionLost,
     }
-}
-
-/// Memory that the program has in use (MiB), which Linux counts.
-fn memory_mib() -> Result<f64> {
-    let status = std::fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    let number = line.and_then(|rest| rest.split_whitespace().next());
-    let kib: f64 = number.context("the memory in use")?.parse()?;
-    Ok(kib / 1024.0)
 }
 
 /// Measures so many poses of MINI (Linux).
@@ -111,7 +106,8 @@ pub fn study(poses: usize, seed: u64) -> Result<Soak> {
                     run.confirm_stored(pose.label());
                     soak.measured += 1;
                     if soak.measured % STEP == 0 {
-                        soak.memory_mib.push(memory_mib()?);
+                        soak.memory_mib
+                            .push(memory_mib(std::process::id(), IN_USE)?);
                     }
                     if rng.random_bool(FAULTY) {
                         soak.faults += 1;

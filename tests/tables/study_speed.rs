@@ -5,20 +5,22 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Vec3;
-use tautline_core::robot::{Robot, presets};
+use tautline_core::robot::Robot;
 use tautline_session::parse_versioned_toml;
 use tautline_study::calibration::Simulator;
 use tautline_study::run::run;
 use tautline_study::which_sensor::Advisor;
 use tautline_study::{StudyFile, StudyPlan, merge};
 
+use super::markdown::Table;
+use super::simulated::preset;
+use crate::support::process::{self, PEAK, memory_mib};
+
 /// Runs that the solver alone is given, again and again.
 const RUNS: u64 = 500;
-/// Ticks of processor time in a second, on every Linux of the last decades.
-const TICKS_PER_S: f64 = 100.0;
 /// Questions of which the fastest answer counts: other programs disturb one, none makes it faster.
 const QUESTIONS: usize = 9;
 
@@ -39,8 +41,8 @@ fn plan(calibrations: u64) -> Result<StudyPlan> {
 /// If MINI cannot be simulated or this is not Linux.
 pub fn table(calibrations: u64) -> Result<String> {
     let threads = tautline_core::threads::available();
-    let mut text = String::from(
-        "| calibrations | time s | processor time s | per second and core | largest memory so far MB |\n|---|---|---|---|---|\n",
+    let mut table = Table::new(
+        "calibrations | time s | processor time s | per second and core | largest memory so far MB",
     );
     let mut each = f64::NAN;
     for part in [100, 10, 1] {
@@ -54,14 +56,14 @@ pub fn table(calibrations: u64) -> Result<String> {
         merge(&plan, folder.path())?;
         let (wall, busy) = (began.elapsed().as_secs_f64(), processor_s()? - before);
         each = busy / plan.calibrations() as f64;
-        writeln!(
-            text,
-            "| {} | {wall:.1} | {busy:.1} | {:.0} | {:.0} |",
+        table.row(format_args!(
+            "{} | {wall:.1} | {busy:.1} | {:.0} | {:.0}",
             plan.calibrations(),
             1.0 / each,
-            peak_mb()?
-        )?;
+            1.048_576 * memory_mib(std::process::id(), PEAK)?
+        ));
     }
+    let mut text = table.text();
     let solver = solver_s(&plan(1)?, (calibrations / RUNS / 10).max(1))?;
     writeln!(
         text,
@@ -112,7 +114,7 @@ fn answer_s(robot: &Robot) -> Result<f64> {
 }
 
 fn mini() -> Result<Robot> {
-    Ok(presets::find("mini").context("no MINI")?.robot)
+    Ok(preset("mini")?.robot)
 }
 
 /// Every cable eight times, with entry points and anchors a little apart.
@@ -134,22 +136,7 @@ fn of_64_cables(mut robot: Robot) -> Robot {
 
 /// Processor time of this process (s), with that of threads that have ended.
 fn processor_s() -> Result<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat")?;
-    // The name of the program, in parentheses, may have spaces.
-    let (_, fields) = stat.rsplit_once(')').context("/proc/self/stat")?;
-    let mut ticks = fields.split_whitespace().skip(11).map(str::parse::<f64>);
-    let user = ticks.next().context("no user time")??;
-    let system = ticks.next().context("no system time")??;
-    Ok((user + system) / TICKS_PER_S)
-}
-
-/// Largest memory that this process has had (MB).
-fn peak_mb() -> Result<f64> {
-    let status = std::fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kilobytes = line.and_then(|line| line.split_whitespace().next());
-    let kilobytes: f64 = kilobytes.context("no VmHWM")?.parse()?;
-    Ok(1.024e-3 * kilobytes)
+    process::processor_s(std::process::id())
 }
 
 #[cfg(test)]

@@ -6,14 +6,15 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow};
 use nalgebra::Vector3;
 use tautline_core::estimation::published::{PublishedOptions, identify_published};
-use tautline_core::estimation::{Control, Globals, Method, Options, Problem, solve};
+use tautline_core::estimation::{Method, Problem};
 use tautline_core::geometry::Pose;
 use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};
 use tautline_core::measurement::Dataset;
-use tautline_core::robot::{Home, Robot, presets};
+use tautline_core::robot::{Home, Robot};
 use tautline_core::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
 
-use crate::tables::truth::preset_options;
+use super::markdown::table;
+use super::simulated::{preset, preset_options, solved};
 
 /// Measured poses, as in the paper.
 pub const POSES: usize = 25;
@@ -95,7 +96,7 @@ pub fn study(data_sets: usize) -> Result<Vec<MethodRow>> {
 
 /// MINI: measured column as truth, drawing as nominal.
 fn mini_run(seed: u64) -> Result<Simulated> {
-    let preset = presets::find("mini").context("no preset mini")?;
+    let preset = preset("mini")?;
     let points = preset
         .measured_entry_points_m
         .clone()
@@ -109,7 +110,7 @@ fn mini_run(seed: u64) -> Result<Simulated> {
 
 /// Poses that took no part in measuring.
 fn test_poses(truth: &Robot, seed: u64) -> Result<Vec<Pose>> {
-    let preset = presets::find("mini").context("no preset mini")?;
+    let preset = preset("mini")?;
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         ..preset_options(&preset, TEST_POSES, seed + 1_000_000)
@@ -123,27 +124,21 @@ fn nominal_home(robot: &Robot) -> Result<Pose> {
     home.ok_or_else(|| anyhow!("MINI has no home pose"))
 }
 
+fn entry_points(robot: &Robot) -> Vec<[f64; 3]> {
+    let cables = robot.cables.iter();
+    cables.map(|cable| cable.pulley.entry_point_m).collect()
+}
+
 fn drawing(run: &Simulated) -> Result<Outcome> {
-    let robot = &run.dataset.robot;
     Ok(Outcome {
-        entry_points: robot
-            .cables
-            .iter()
-            .map(|c| c.pulley.entry_point_m)
-            .collect(),
-        home: nominal_home(robot)?,
+        entry_points: entry_points(&run.dataset.robot),
+        home: nominal_home(&run.dataset.robot)?,
         seconds: None,
     })
 }
 
 fn published_given(run: &Simulated) -> Result<Outcome> {
-    let truth = run
-        .truth
-        .cables
-        .iter()
-        .map(|c| c.pulley.entry_point_m)
-        .collect();
-    published(run, Some(truth))
+    published(run, Some(entry_points(&run.truth)))
 }
 
 fn published_alone(run: &Simulated) -> Result<Outcome> {
@@ -175,29 +170,22 @@ fn joint(run: &Simulated) -> Result<Outcome> {
 fn jointly(dataset: &Dataset, method: Method) -> Result<Outcome> {
     let problem = Problem::new(dataset)?.with_method(method);
     let start = Instant::now();
-    let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
-    let seconds = Some(start.elapsed().as_secs_f64());
-    let Globals {
-        entry_points, home, ..
-    } = solution.globals;
+    let solution = solved(&problem)?;
     Ok(Outcome {
-        entry_points,
-        home,
-        seconds,
+        seconds: Some(start.elapsed().as_secs_f64()),
+        entry_points: solution.globals.entry_points,
+        home: solution.globals.home,
     })
 }
 
 fn entry_error(outcome: &Outcome, truth: &Robot) -> f64 {
-    let square = |(found, cable): (&[f64; 3], &tautline_core::robot::Cable)| {
-        (Vector3::from(*found) - Vector3::from(cable.pulley.entry_point_m)).norm_squared()
+    let truth = entry_points(truth);
+    let pairs = outcome.entry_points.iter().zip(&truth);
+    let square = |(found, truth): (&[f64; 3], &[f64; 3])| {
+        (Vector3::from(*found) - Vector3::from(*truth)).norm_squared()
     };
-    let sum: f64 = outcome
-        .entry_points
-        .iter()
-        .zip(&truth.cables)
-        .map(square)
-        .sum();
-    (sum / (3 * truth.cables.len()) as f64).sqrt()
+    let sum: f64 = pairs.map(square).sum();
+    (sum / (3 * truth.len()) as f64).sqrt()
 }
 
 /// The controller pays out the length that the identified geometry predicts for the way from home to the test
@@ -242,26 +230,23 @@ pub(crate) fn position_errors(
 /// The table as Markdown.
 #[must_use]
 pub fn markdown(rows: &[MethodRow]) -> String {
-    let mut text = String::from(
-        "| method | entry point coordinates, rms error mm | platform position, rms error mm | improvement | relative to home mm | improvement | time |\n|---|---|---|---|---|---|---|\n",
-    );
-    let Some(drawing) = rows.first() else {
-        return text;
-    };
-    for row in rows {
-        let time = row
-            .seconds
-            .map_or("-".to_owned(), |s| format!("{:.2} ms", s * 1e3));
-        let better = |now: f64, before: f64| (1.0 - now / before) * 100.0;
-        text.push_str(&format!(
-            "| {} | {:.2} | {:.3} | {:.1} % | {:.3} | {:.1} % | {time} |\n",
+    let better = |now: f64, before: f64| (1.0 - now / before) * 100.0;
+    let rows = rows.iter().map(|row| {
+        let drawing = &rows[0];
+        let time = row.seconds.map(|s| format!("{:.2} ms", s * 1e3));
+        format!(
+            "{} | {:.2} | {:.3} | {:.1} % | {:.3} | {:.1} % | {}",
             row.method,
             row.entry_error_m * 1e3,
             row.position_error_m * 1e3,
             better(row.position_error_m, drawing.position_error_m),
             row.relative_error_m * 1e3,
             better(row.relative_error_m, drawing.relative_error_m),
-        ));
-    }
-    text
+            time.as_deref().unwrap_or("-"),
+        )
+    });
+    table(
+        "method | entry point coordinates, rms error mm | platform position, rms error mm | improvement | relative to home mm | improvement | time",
+        rows,
+    )
 }

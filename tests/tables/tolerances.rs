@@ -2,29 +2,33 @@
 //! with tolerances.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use rand::RngExt;
 use rand::seq::IndexedRandom;
-use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use tautline_core::diagnosis::{
-    Cause, Diagnosis, DiagnosisOptions, FoundParameter, Verdict, diagnose,
-};
+use serde::{Deserialize, Serialize};
+use tautline_core::diagnosis::{Cause, Diagnosis, FoundParameter, Verdict};
 use tautline_core::effect::{
     BoundEffect, EffectSetting, PartDeviation, Scope, find, part_deviations,
 };
-use tautline_core::estimation::{Control, Options, ParameterId, Problem, solve};
-use tautline_core::robot::presets::{self, Preset};
+use tautline_core::estimation::Problem;
+use tautline_core::robot::presets::Preset;
 use tautline_core::robot::{PartTolerances, Robot, StatedTolerances, Tolerance};
 use tautline_core::simulation::{Simulated, SimulationOptions, simulate};
 
-use crate::tables::hidden::VISIBLE;
+use super::counting::{Share, median, total};
+use super::hidden::VISIBLE;
+use super::markdown::Table;
+use super::simulated::{
+    EntryError, PRESETS, diagnosed, is_one_sided, log_uniform, preset, preset_options,
+    scatter_part, solved, stream,
+};
+use super::study::Study;
 
-/// Robots, in turn.
-const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
+/// Seed of the first machine without a fault, and the most faults that are hidden in one.
+const FIRST_SEED: usize = 40_000;
+const MOST_FAULTS: usize = 4;
 /// By what the parts scatter in units of the typical tolerances, drawn for each effect.
 const SCATTER: [f64; 2] = [0.3, 1.5];
 /// Largest factor by which the stated tolerance of an effect is wrong, in either direction.
@@ -96,49 +100,129 @@ impl Assumption {
     }
 }
 
-/// Sums over the data sets of one row of the table.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Row {
+/// So many machines for each number of faults, real and exact ones, the presets in turn.
+#[derive(Debug)]
+pub struct Tolerances {
+    /// Number of machines.
+    pub machines: usize,
+}
+
+/// A machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Case {
     /// Whether every part is a little off.
-    pub is_real: bool,
-    /// Number of faults hidden in each data set.
-    pub faults: usize,
-    /// What the parts are taken for.
-    pub assumption: Option<Assumption>,
-    /// Number of data sets.
-    pub sets: usize,
+    is_real: bool,
     /// Number of hidden faults.
-    pub hidden: usize,
-    /// Hidden faults that are named.
-    pub named: usize,
-    /// Hidden faults in a list.
-    pub listed: usize,
-    /// Hidden faults whose part is visibly outside its typical tolerance.
-    pub visible: usize,
-    /// Visible faults that are named.
-    pub visible_named: usize,
-    /// Visible faults that are named or in a list.
-    pub visible_found: usize,
+    faults: usize,
+    number: usize,
+}
+
+/// What a diagnosis makes of a machine.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Hidden faults that are named, and that are in a list.
+    named: Share,
+    listed: Share,
+    /// Faults whose part is visibly outside its typical tolerance: those named, and those named or in a list.
+    visible_named: Share,
+    visible_found: Share,
     /// Names of something that is not hidden.
-    pub wrong: usize,
-    /// Data sets with a wrong name.
-    pub sets_with_wrong: usize,
+    wrong: usize,
     /// Names with a size that is more than four stated standard deviations from the true deviation of the part.
-    pub false_names: usize,
-    /// Coordinates of pulleys, and those within their 95 % interval.
-    pub coordinates: usize,
-    /// Coordinates within their interval.
-    pub covered: usize,
-    /// Sizes of named faults, and those within their 95 % interval.
-    pub sizes: usize,
-    /// Sizes within their interval.
-    pub sizes_covered: usize,
-    /// Data sets that the final model explains.
-    pub explained: usize,
-    /// Sum of the factors of the tolerances.
-    pub factor: f64,
-    /// Time of each diagnosis (s).
-    pub seconds: Vec<f64>,
+    false_names: usize,
+    /// Coordinates of pulleys within their 95 % interval.
+    covered: Share,
+    /// Sizes of named faults within their 95 % interval.
+    sizes: Share,
+    /// Whether the final model explains the data.
+    is_explained: bool,
+    /// Factor of the tolerances.
+    factor: f64,
+    seconds: f64,
+}
+
+impl Study for Tolerances {
+    type Case = Case;
+    /// Under each assumption.
+    type Outcome = [Outcome; 3];
+
+    fn cases(&self) -> Result<Vec<Case>> {
+        let kinds = [true, false].into_iter().flat_map(|is_real| {
+            let faults = 0..=MOST_FAULTS;
+            faults.map(move |faults| (is_real, faults))
+        });
+        let cases = kinds.flat_map(|(is_real, faults)| {
+            (0..self.machines).map(move |number| Case {
+                is_real,
+                faults,
+                number,
+            })
+        });
+        Ok(cases.collect())
+    }
+
+    fn run(&self, case: &Case) -> Result<Option<[Outcome; 3]>> {
+        let preset = preset(PRESETS[case.number % PRESETS.len()])?;
+        let seed = (FIRST_SEED + 1000 * case.faults + case.number) as u64;
+        let machine = machine(&preset, case.is_real, case.faults, seed)?;
+        let outcome = |assumption: Assumption| -> Result<Outcome> {
+            let mut dataset = machine.run.dataset.clone();
+            dataset.robot.tolerances = assumption.stated(&preset.robot, seed);
+            let (found, seconds) = diagnosed(&dataset)?;
+            Ok(Outcome {
+                seconds,
+                ..machine.judge(&found)
+            })
+        };
+        let [exact, stated, typical] = Assumption::ALL.map(outcome);
+        Ok(Some([exact?, stated?, typical?]))
+    }
+
+    fn table(&self, outcomes: &[(Case, [Outcome; 3])]) -> Result<String> {
+        let mut table = Table::aligned(
+            "lrlr",
+            "machines | faults | parts taken as | sets | named | in a list | visible | of these named | or in a list | wrong names | sets with one | false names | pulleys covered | sizes covered | explained | factor | median s",
+        );
+        for of_row in
+            outcomes.chunk_by(|(a, _), (b, _)| a.is_real == b.is_real && a.faults == b.faults)
+        {
+            let (case, _) = of_row[0];
+            let kind = if case.is_real { "real" } else { "exact" };
+            for (k, assumption) in Assumption::ALL.iter().enumerate() {
+                let all: Vec<&Outcome> = of_row.iter().map(|(_, three)| &three[k]).collect();
+                table.row(format_args!(
+                    "{kind} | {} | {} | {}",
+                    case.faults,
+                    assumption.name(),
+                    row(&all)
+                ));
+            }
+        }
+        Ok(table.text())
+    }
+}
+
+fn row(all: &[&Outcome]) -> String {
+    let sum = |share: fn(&Outcome) -> Share| -> Share { total(all, share) };
+    let visible = sum(|one| one.visible_named);
+    let factors: f64 = total(all, |one| one.factor);
+    format!(
+        "{} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2} | {:.2}",
+        all.len(),
+        sum(|one| one.named).percent(),
+        sum(|one| one.listed).percent(),
+        visible.whole,
+        visible.percent(),
+        sum(|one| one.visible_found).percent(),
+        total::<_, usize>(all, |one| one.wrong),
+        Share::of(all, |one| one.wrong > 0).percent(),
+        total::<_, usize>(all, |one| one.false_names),
+        sum(|one| one.covered).percent(),
+        sum(|one| one.sizes).percent(),
+        Share::of(all, |one| one.is_explained).percent(),
+        factors / all.len().max(1) as f64,
+        median(all.iter().map(|one| one.seconds)),
+    )
 }
 
 /// A simulated machine with what is hidden in it.
@@ -147,17 +231,6 @@ struct Machine {
     hidden: Vec<EffectSetting>,
     /// Whether each hidden fault is visible.
     is_visible: Vec<bool>,
-}
-
-fn stream(seed: u64, number: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(number);
-    rng
-}
-
-/// A number from a range, uniform in its logarithm.
-fn log_uniform(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
-    low * (high / low).powf(rng.random::<f64>())
 }
 
 fn typical_deviations(robot: &Robot) -> Vec<PartDeviation> {
@@ -172,17 +245,10 @@ fn draw_parts(robot: &Robot, seed: u64) -> Vec<EffectSetting> {
         let id = deviation.bound.effect.id();
         let own = match scatter.get(id) {
             Some(own) => *own,
-            None => log_uniform(&mut rng, SCATTER),
+            None => log_uniform(SCATTER, &mut rng),
         };
         scatter.insert(id, own);
-        let parameters = deviation.bound.effect.parameters().iter();
-        let of_parameters = parameters.zip(&deviation.prior_sd);
-        for (value, (parameter, sd)) in deviation.bound.values.iter_mut().zip(of_parameters) {
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            let off = own * sd * normal;
-            let is_one_sided = parameter.bounds[0] == parameter.neutral;
-            *value += if is_one_sided { off.abs() } else { off };
-        }
+        scatter_part(&mut deviation, own, &mut rng);
         deviation.bound.setting(robot)
     };
     typical_deviations(robot).into_iter().map(draw).collect()
@@ -196,7 +262,7 @@ fn misstated(robot: &Robot, seed: u64) -> BTreeMap<String, Tolerance> {
         let sd = deviation.prior_sd.iter().copied().fold(0.0, f64::max);
         let id = deviation.bound.effect.id().to_owned();
         stated.entry(id).or_insert_with(|| {
-            let factor = log_uniform(&mut rng, [MISSTATED.recip(), MISSTATED]);
+            let factor = log_uniform([MISSTATED.recip(), MISSTATED], &mut rng);
             Tolerance::Same(factor * sd)
         });
     }
@@ -231,7 +297,7 @@ fn draw_fault(
         Scope::Robot => Vec::new(),
         _ => vec![robot.cables.choose(rng)?.name.clone()],
     };
-    let size = log_uniform(rng, FAULT);
+    let size = log_uniform(FAULT, rng);
     let estimated = effect.parameters().iter().filter(|p| !p.discrete).count();
     let mut parameters = BTreeMap::new();
     for p in effect.parameters() {
@@ -242,18 +308,11 @@ fn draw_fault(
         } else if p.name == "phase" {
             rng.random_range(p.typical[0]..p.typical[1])
         } else {
-            let coordinates = if estimated == 3 || p.unit == "rad" {
-                estimated
-            } else {
-                1
-            };
+            let is_vector = estimated == 3 || p.unit == "rad";
+            let coordinates = if is_vector { estimated } else { 1 };
             let value = size * (least * largest).sqrt() / (coordinates as f64).sqrt();
-            let is_one_sided = p.bounds[0] == p.neutral;
-            if is_one_sided || rng.random() {
-                value
-            } else {
-                -value
-            }
+            let is_positive = is_one_sided(p) || rng.random();
+            if is_positive { value } else { -value }
         };
         parameters.insert(p.name.to_owned(), p.neutral + value);
     }
@@ -275,20 +334,12 @@ fn machine(preset: &Preset, is_real: bool, faults: usize, seed: u64) -> Result<M
     }
     let options = SimulationOptions {
         effects,
-        workspace: Some(preset.workspace),
-        tension: Some(preset.tension),
-        ..SimulationOptions::new(poses, seed)
+        ..preset_options(preset, poses, seed)
     };
-    let run = simulate(robot, &options)?;
-    let noncentralities =
-        (0..hidden.len()).map(|fault| noncentrality(robot, &options, &hidden, fault));
-    let noncentralities = noncentralities.collect::<Result<Vec<f64>>>()?;
+    let is_visible = |fault| Ok(noncentrality(robot, &options, &hidden, fault)? >= VISIBLE);
     Ok(Machine {
-        run,
-        is_visible: noncentralities
-            .iter()
-            .map(|value| *value >= VISIBLE)
-            .collect(),
+        run: simulate(robot, &options)?,
+        is_visible: (0..hidden.len()).map(is_visible).collect::<Result<_>>()?,
         hidden,
     })
 }
@@ -311,10 +362,8 @@ fn noncentrality(
     let problem = Problem::new(&data)?
         .with_tolerances(&PartTolerances::typical())
         .with_effects(others.collect::<Result<_, _>>()?);
-    let quiet = &mut |_: &_| Control::Continue;
-    let first = solve(&problem, &Options::default(), quiet)?;
-    let second = solve(&problem.at_poses_of(&first), &Options::default(), quiet)?;
-    Ok(second.chi2)
+    let first = solved(&problem)?;
+    Ok(solved(&problem.at_poses_of(&first))?.chi2)
 }
 
 impl Machine {
@@ -362,158 +411,70 @@ impl Machine {
         cause.effect().id() != "drum_eccentricity" && parameters.iter().any(is_off)
     }
 
-    /// Adds the outcome of a diagnosis to a row.
-    fn judge(&self, found: &Diagnosis, row: &mut Row) {
-        row.sets += 1;
-        row.hidden += self.hidden.len();
-        row.explained += usize::from(found.extended.adequate);
-        row.factor += found.tolerances.factor;
-        let mut wrong = 0;
+    /// The outcome of a diagnosis.
+    fn judge(&self, found: &Diagnosis) -> Outcome {
+        let [mut named, mut listed] = [0; 2];
+        let mut outcome = Outcome {
+            is_explained: found.extended.adequate,
+            factor: found.tolerances.factor,
+            ..Outcome::default()
+        };
         for finding in &found.findings {
-            let is_right = finding.cause().is_some_and(|cause| self.is_hidden(cause));
+            let cause = finding.cause();
+            let is_right = cause.is_some_and(|cause| self.is_hidden(cause));
+            if finding.verdict() != Verdict::Named {
+                listed += usize::from(finding.causes().any(|cause| self.is_hidden(cause)));
+                continue;
+            }
             let is_false = |cause| self.is_false(cause, &finding.parameters);
-            match finding.verdict() {
-                Verdict::Named if is_right => {
-                    row.named += 1;
-                    let cause = finding.cause();
-                    cause.inspect(|cause| self.judge_size(cause, &finding.parameters, row));
-                    row.false_names += usize::from(cause.is_some_and(is_false));
-                }
-                Verdict::Named => {
-                    wrong += 1;
-                    row.false_names += usize::from(finding.cause().is_some_and(is_false));
-                }
-                Verdict::Ambiguous | Verdict::Unknown => {
-                    let is_listed = finding.causes().any(|cause| self.is_hidden(cause));
-                    row.listed += usize::from(is_listed);
-                }
+            outcome.false_names += usize::from(cause.is_some_and(is_false));
+            outcome.wrong += usize::from(!is_right);
+            named += usize::from(is_right);
+            if let Some(cause) = cause.filter(|_| is_right) {
+                self.judge_size(cause, &finding.parameters, &mut outcome.sizes);
             }
         }
-        self.judge_visible(found, row);
-        row.wrong += wrong;
-        row.sets_with_wrong += usize::from(wrong > 0);
-        let solution = &found.extended_solution;
-        for (k, parameter) in solution.parameters.iter().enumerate() {
-            let ParameterId::EntryPoint { cable, axis } = parameter.id else {
-                continue;
-            };
-            let Some(sd) = solution.standard_deviation(k) else {
-                continue;
-            };
-            let truth = self.run.truth.cables[cable].pulley.entry_point_m[axis];
-            let off = solution.globals.entry_points[cable][axis] - truth;
-            row.coordinates += 1;
-            row.covered += usize::from(off.abs() < 1.96 * sd);
+        let whole = self.hidden.len();
+        outcome.named = Share { part: named, whole };
+        outcome.listed = Share {
+            part: listed,
+            whole,
+        };
+        self.judge_visible(found, &mut outcome);
+        for one in EntryError::all(&found.extended_solution, &self.run.truth) {
+            if let Some(sd_m) = one.sd_m {
+                outcome.covered.count(one.error_m.abs() < 1.96 * sd_m);
+            }
         }
+        outcome
     }
 
     /// Counts which of the visible faults are found.
-    fn judge_visible(&self, found: &Diagnosis, row: &mut Row) {
+    fn judge_visible(&self, found: &Diagnosis, outcome: &mut Outcome) {
         let visible = self.hidden.iter().zip(&self.is_visible);
         for (hidden, _) in visible.filter(|(_, is_visible)| **is_visible) {
-            let is_named = found.findings.iter().any(|finding| {
-                let mut own = finding.cause().into_iter();
-                finding.verdict() == Verdict::Named && own.any(|cause| self.is_fault(cause, hidden))
+            let is_it = |cause: &Cause| self.is_fault(cause, hidden);
+            let mut findings = found.findings.iter();
+            let is_named = findings.any(|finding| {
+                finding.verdict() == Verdict::Named && finding.cause().is_some_and(is_it)
             });
-            let is_listed = found.findings.iter().any(|finding| {
-                let mut causes = finding.causes();
-                causes.any(|cause| self.is_fault(cause, hidden))
-            });
-            row.visible += 1;
-            row.visible_named += usize::from(is_named);
-            row.visible_found += usize::from(is_named || is_listed);
+            let mut findings = found.findings.iter();
+            let is_listed = findings.any(|finding| finding.causes().any(is_it));
+            outcome.visible_named.count(is_named);
+            outcome.visible_found.count(is_named || is_listed);
         }
     }
 
     /// Compares the size of a named fault with the truth; waves, whose parts add as vectors, are left out.
-    fn judge_size(&self, cause: &Cause, parameters: &[FoundParameter], row: &mut Row) {
+    fn judge_size(&self, cause: &Cause, parameters: &[FoundParameter], sizes: &mut Share) {
         if cause.effect().id() == "drum_eccentricity" {
             return;
         }
         for parameter in parameters {
             if let Some(sd) = parameter.sd {
                 let off = parameter.value - self.true_value(cause, parameter.name);
-                row.sizes += 1;
-                row.sizes_covered += usize::from(off.abs() < 1.96 * sd);
+                sizes.count(off.abs() < 1.96 * sd);
             }
         }
     }
-}
-
-/// Diagnoses so many machines for each number of faults from 0 to `most`, real and exact ones.
-///
-/// # Errors
-/// If a machine cannot be simulated or its data cannot be used.
-pub fn study(sets: usize, most: usize, first_seed: u64) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for is_real in [true, false] {
-        for faults in 0..=most {
-            rows.extend(rows_of(is_real, faults, sets, first_seed)?);
-        }
-    }
-    Ok(rows)
-}
-
-/// Diagnoses so many machines with a number of faults, each under all assumptions.
-///
-/// # Errors
-/// If a machine cannot be simulated or its data cannot be used.
-pub fn rows_of(is_real: bool, faults: usize, sets: usize, first_seed: u64) -> Result<[Row; 3]> {
-    let mut rows = Assumption::ALL.map(|assumption| Row {
-        is_real,
-        faults,
-        assumption: Some(assumption),
-        ..Row::default()
-    });
-    for number in 0..sets {
-        let preset = presets::find(ROBOTS[number % ROBOTS.len()]).context("a preset")?;
-        let seed = first_seed + (1000 * faults + number) as u64;
-        let machine = machine(&preset, is_real, faults, seed)?;
-        for (row, assumption) in rows.iter_mut().zip(Assumption::ALL) {
-            let mut dataset = machine.run.dataset.clone();
-            dataset.robot.tolerances = assumption.stated(&preset.robot, seed);
-            let start = Instant::now();
-            let options = DiagnosisOptions::default();
-            let found = diagnose(&dataset, &options, &mut |_| Control::Continue)?;
-            row.seconds.push(start.elapsed().as_secs_f64());
-            machine.judge(&found, row);
-        }
-    }
-    Ok(rows)
-}
-
-/// The study as a table.
-#[must_use]
-pub fn markdown(rows: &[Row]) -> String {
-    let mut text = "| machines | faults | parts taken as | sets | named | in a list | visible | of these named | or in a list | wrong names | sets with one | false names | pulleys covered | sizes covered | explained | factor | median s |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n".to_owned();
-    let share = |some: usize, of: usize| match of {
-        0 => "-".to_owned(),
-        _ => format!("{:.1} %", 100.0 * some as f64 / of as f64),
-    };
-    for row in rows {
-        let mut seconds = row.seconds.clone();
-        seconds.sort_by(f64::total_cmp);
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2} | {:.2} |",
-            if row.is_real { "real" } else { "exact" },
-            row.faults,
-            row.assumption.map_or("", Assumption::name),
-            row.sets,
-            share(row.named, row.hidden),
-            share(row.listed, row.hidden),
-            row.visible,
-            share(row.visible_named, row.visible),
-            share(row.visible_found, row.visible),
-            row.wrong,
-            share(row.sets_with_wrong, row.sets),
-            row.false_names,
-            share(row.covered, row.coordinates),
-            share(row.sizes_covered, row.sizes),
-            share(row.explained, row.sets),
-            row.factor / row.sets.max(1) as f64,
-            seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
-        );
-    }
-    text
 }

@@ -1,161 +1,161 @@
 //! Estimates from simulated data compared with the truth: distribution of chi-square, stated standard deviations,
 //! efficiency of the estimator.
 
-use anyhow::{Result, anyhow};
-use tautline_core::estimation::{Control, Options, ParameterId, Problem, Solution, solve};
+use std::ops::Range;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use tautline_core::estimation::Problem;
 use tautline_core::measurement::Dataset;
-use tautline_core::robot::presets::{self, Preset};
-use tautline_core::simulation::{Simulated, SimulationOptions, simulate};
+use tautline_core::simulation::{SimulationOptions, simulate};
+
+use super::counting::{Share, by_name, total};
+use super::markdown::table;
+use super::simulated::{EntryError, NORMAL_95, PRESETS, preset, preset_options, solved};
+use super::study::Study;
 
 /// Poses per data set.
-pub const POSES: usize = 25;
+const POSES: usize = 25;
+/// Seed of the first data set.
+pub const FIRST_SEED: u64 = 1000;
 
-/// Figures of one robot over many simulated data sets, the truth drawn from the stated priors.
+/// Data sets of each preset with these seeds, the truth drawn from the stated priors.
+#[derive(Debug)]
+pub struct Truth(pub Range<u64>);
+
+/// Preset and seed.
+pub type Case = (usize, u64);
+
+/// What one data set shows.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Outcome {
+    has_converged: bool,
+    chi2: f64,
+    dof: f64,
+    /// 95 % intervals of entry point coordinates that cover the truth.
+    covered: Share,
+    /// Sums of squares of the errors over their standard deviations, of the errors (m), and of the Cramer-Rao bounds at the truth (m).
+    standardised: f64,
+    error: f64,
+    bound: f64,
+}
+
+impl Study for Truth {
+    type Case = Case;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<Case>> {
+        let of = |robot| self.0.clone().map(move |seed| (robot, seed));
+        Ok((0..PRESETS.len()).flat_map(of).collect())
+    }
+
+    fn run(&self, (robot, seed): &Case) -> Result<Option<Outcome>> {
+        let preset = preset(PRESETS[*robot])?;
+        let options = preset_options(&preset, POSES, *seed);
+        let run = simulate(&preset.robot, &options)?;
+        let without_noise = SimulationOptions {
+            noise: false,
+            ..options
+        };
+        let exact = simulate(&preset.robot, &without_noise)?;
+        let exact = Dataset {
+            robot: exact.truth,
+            measurements: exact.dataset.measurements,
+        };
+        let at_truth = solved(&Problem::new(&exact)?)?;
+        let solution = solved(&Problem::new(&run.dataset)?)?;
+        let mut outcome = Outcome {
+            has_converged: solution.converged(),
+            chi2: solution.chi2,
+            dof: solution.degrees_of_freedom,
+            covered: Share::default(),
+            standardised: 0.0,
+            error: 0.0,
+            bound: 0.0,
+        };
+        for one in EntryError::all(&solution, &run.truth) {
+            let bound = at_truth.standard_deviation(one.parameter);
+            let (sd, bound) = one.sd_m.zip(bound).context("undetermined")?;
+            outcome.covered.count((one.error_m / sd).abs() < NORMAL_95);
+            outcome.standardised += (one.error_m / sd).powi(2);
+            outcome.error += one.error_m.powi(2);
+            outcome.bound += bound.powi(2);
+        }
+        Ok(Some(outcome))
+    }
+
+    fn table(&self, outcomes: &[(Case, Outcome)]) -> Result<String> {
+        let rows = by_robot(outcomes).into_iter().map(|(robot, all)| {
+            let figures = Figures::of(&all);
+            format!(
+                "{robot} | {} | {:.0} | {:.1} | {:+.2} | {:.3} | {:.2} % | {:.2} | {:.3} | {}",
+                all.len(),
+                figures.dof,
+                figures.chi2,
+                figures.chi2_off,
+                figures.standardised_rms,
+                100.0 * figures.coverage,
+                1e3 * figures.rms_error_m,
+                figures.over_bound,
+                figures.failures,
+            )
+        });
+        Ok(table(
+            "robot | data sets | dof | mean chi-square | standard errors off | standardised error rms | 95 % intervals cover | rms error mm | over Cramer-Rao bound | not converged",
+            rows,
+        ))
+    }
+}
+
+/// Outcomes of each robot.
+#[must_use]
+pub fn by_robot(outcomes: &[(Case, Outcome)]) -> Vec<(&'static str, Vec<&Outcome>)> {
+    let mut robots = by_name(&PRESETS, outcomes, |(robot, _)| PRESETS[*robot]);
+    // There is no row of all robots.
+    robots.pop();
+    robots
+}
+
+/// Figures of one robot over many simulated data sets.
 #[derive(Debug, Clone)]
-pub struct TruthRow {
-    /// Preset.
-    pub robot: String,
-    /// Number of data sets.
-    pub data_sets: usize,
+pub struct Figures {
     /// Degrees of freedom.
-    pub dof: f64,
+    dof: f64,
     /// Mean chi-square.
-    pub chi2_mean: f64,
-    /// Standard error of that mean if chi-square has its theoretical distribution.
-    pub chi2_standard_error: f64,
+    chi2: f64,
+    /// By how many of its standard errors that mean is off, if chi-square has its theoretical distribution.
+    pub chi2_off: f64,
     /// Root mean square of entry point errors over their standard deviations.
     pub standardised_rms: f64,
     /// Share of 95 % intervals of entry point coordinates that cover the truth.
     pub coverage: f64,
     /// Root mean square entry point error (m).
-    pub rms_error_m: f64,
+    rms_error_m: f64,
     /// The same over the Cramer-Rao bound at the truth.
     pub over_bound: f64,
     /// Data sets in which the solver did not converge.
     pub failures: usize,
 }
 
-/// Options that simulate a preset as it is meant to be used.
-#[must_use]
-pub fn preset_options(preset: &Preset, poses: usize, seed: u64) -> SimulationOptions {
-    SimulationOptions {
-        workspace: Some(preset.workspace),
-        tension: Some(preset.tension),
-        ..SimulationOptions::new(poses, seed)
-    }
-}
-
-/// Solves the joint problem of a dataset.
-///
-/// # Errors
-/// If the dataset cannot be used.
-pub fn solve_joint(dataset: &Dataset) -> Result<Solution> {
-    let problem = Problem::new(dataset)?;
-    Ok(solve(&problem, &Options::default(), &mut |_| {
-        Control::Continue
-    })?)
-}
-
-/// Runs the study for one preset.
-///
-/// # Errors
-/// If the preset is unknown or cannot be simulated.
-pub fn study(name: &str, data_sets: usize, first_seed: u64) -> Result<TruthRow> {
-    let preset = presets::find(name).ok_or_else(|| anyhow!("no preset {name}"))?;
-    let mut tally = Tally::default();
-    for seed in first_seed..first_seed + data_sets as u64 {
-        let options = preset_options(&preset, POSES, seed);
-        let run = simulate(&preset.robot, &options)?;
-        let exact = simulate(
-            &preset.robot,
-            &SimulationOptions {
-                noise: false,
-                ..options
-            },
-        )?;
-        let at_truth = solve_joint(&Dataset {
-            robot: exact.truth,
-            measurements: exact.dataset.measurements,
-        })?;
-        tally.add(&run, &solve_joint(&run.dataset)?, &at_truth)?;
-    }
-    let sets = data_sets as f64;
-    let dof = tally.dof / sets;
-    let count = tally.coordinates;
-    Ok(TruthRow {
-        robot: name.to_owned(),
-        data_sets,
-        dof,
-        chi2_mean: tally.chi2 / sets,
-        chi2_standard_error: (2.0 * dof / sets).sqrt(),
-        standardised_rms: (tally.standardised / count).sqrt(),
-        coverage: tally.covered / count,
-        rms_error_m: (tally.error / count).sqrt(),
-        over_bound: (tally.error / tally.bound).sqrt(),
-        failures: tally.failures,
-    })
-}
-
-#[derive(Default)]
-struct Tally {
-    chi2: f64,
-    dof: f64,
-    coordinates: f64,
-    standardised: f64,
-    covered: f64,
-    error: f64,
-    bound: f64,
-    failures: usize,
-}
-
-impl Tally {
-    fn add(&mut self, run: &Simulated, solution: &Solution, at_truth: &Solution) -> Result<()> {
-        self.failures += usize::from(!solution.converged());
-        self.chi2 += solution.chi2;
-        self.dof += solution.degrees_of_freedom;
-        for (index, parameter) in solution.parameters.iter().enumerate() {
-            let ParameterId::EntryPoint { cable, axis } = parameter.id else {
-                continue;
-            };
-            let undetermined = || anyhow!("{} is not determined", parameter.name);
-            let truth = run.truth.cables[cable].pulley.entry_point_m[axis];
-            let error = solution.globals.entry_points[cable][axis] - truth;
-            let sd = solution
-                .standard_deviation(index)
-                .ok_or_else(undetermined)?;
-            let bound = at_truth
-                .standard_deviation(index)
-                .ok_or_else(undetermined)?;
-            self.coordinates += 1.0;
-            self.standardised += (error / sd).powi(2);
-            self.covered += f64::from(u8::from((error / sd).abs() < 1.959_964));
-            self.error += error * error;
-            self.bound += bound * bound;
+impl Figures {
+    /// Those of the data sets of a robot.
+    #[must_use]
+    pub fn of(all: &[&Outcome]) -> Self {
+        let sets = all.len() as f64;
+        let sum = |value: fn(&Outcome) -> f64| -> f64 { total(all, value) };
+        let covered: Share = total(all, |one| one.covered);
+        let count = covered.whole as f64;
+        let [dof, chi2] = [sum(|one| one.dof), sum(|one| one.chi2)].map(|sum| sum / sets);
+        let error = sum(|one| one.error);
+        Self {
+            dof,
+            chi2,
+            chi2_off: (chi2 - dof) / (2.0 * dof / sets).sqrt(),
+            standardised_rms: (sum(|one| one.standardised) / count).sqrt(),
+            coverage: covered.ratio(),
+            rms_error_m: (error / count).sqrt(),
+            over_bound: (error / sum(|one| one.bound)).sqrt(),
+            failures: all.iter().filter(|one| !one.has_converged).count(),
         }
-        Ok(())
     }
-}
-
-/// The table as Markdown.
-#[must_use]
-pub fn markdown(rows: &[TruthRow]) -> String {
-    let mut text = String::from(
-        "| robot | data sets | dof | mean chi-square | standard errors off | standardised error rms | 95 % intervals cover | rms error mm | over Cramer-Rao bound | not converged |\n|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        text.push_str(&format!(
-            "| {} | {} | {:.0} | {:.1} | {:+.2} | {:.3} | {:.2} % | {:.2} | {:.3} | {} |\n",
-            row.robot,
-            row.data_sets,
-            row.dof,
-            row.chi2_mean,
-            (row.chi2_mean - row.dof) / row.chi2_standard_error,
-            row.standardised_rms,
-            row.coverage * 100.0,
-            row.rms_error_m * 1e3,
-            row.over_bound,
-            row.failures,
-        ));
-    }
-    text
 }

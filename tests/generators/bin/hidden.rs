@@ -1,17 +1,19 @@
 //! The hidden-effect test on the command line.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::tables::hidden::{
-    Change, Plan, Records, Restriction, STUDIES, Study, TABLE_SEED, calibration, clean, coverage,
-    describe, diagram, draw_all, drawn_markdown, failures, markdown, named, outside, pairs,
-    run_all, single, summary, table_plans,
+    Change, Outcome, Plan, Restriction, STUDIES, Study, TABLE_SEED, calibration, changes, clean,
+    coverage, describe, diagram, failures, markdown, named, outside, pairs, run_all, single,
+    summary, table_plans,
 };
+use tautline_validation::tables::study::Records;
 
-const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
-                     [--effect ID] [--seed N], hidden table, or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
-                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg], or hidden compare BEFORE AFTER, or hidden calibrate RECORDS...";
+use crate::arguments::Arguments;
+
+const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all or hidden STUDY, with [--cases N] [--seed FIRST] [--robot NAME] [--effect ID] \
+                     [--records FILE] [--failures], or hidden compare BEFORE AFTER, or hidden calibrate RECORDS...";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 3;
@@ -24,74 +26,56 @@ const CASES: usize = 20;
 /// First seed of data sets for the development of the program.
 const DEVELOPMENT: u64 = 600_000;
 
-struct Arguments {
-    kind: String,
-    count: Option<usize>,
-    /// Only draw the data sets; no diagnosis.
-    draw: bool,
-    failures: bool,
-    threads: Option<usize>,
-    records: Option<PathBuf>,
-    /// File of the reliability diagram.
-    diagram: Option<PathBuf>,
-    restriction: Restriction,
-}
-
-impl Arguments {
-    fn is_study(&self) -> bool {
-        STUDIES.iter().any(|(name, _)| *name == self.kind)
-    }
-}
-
 /// Runs `hidden ...`.
 ///
 /// # Errors
-/// If the arguments are invalid.
-pub fn command(arguments: &[String]) -> Result<()> {
-    if let [kind, before, after] = arguments
-        && kind == "compare"
-    {
-        return compare(Path::new(before), Path::new(after));
+/// If the arguments are not understood.
+pub fn command(given: &Arguments) -> Result<()> {
+    match given.words_from(1) {
+        [kind, before, after] if kind == "compare" => return compare(before, after),
+        [kind, files @ ..] if kind == "calibrate" => return calibrate(files),
+        _ => {}
     }
-    if let [kind, files @ ..] = arguments
-        && kind == "calibrate"
-    {
-        return calibrate(files);
-    }
-    let arguments = parse(arguments)?;
-    let plans = plans(&arguments)?;
-    if arguments.draw {
-        println!("{}", drawn_markdown(&draw_all(&plans)));
-        return Ok(());
-    }
-    let records = match &arguments.records {
-        Some(path) => Records::open(path)?,
-        None => Records::default(),
-    };
-    let study = run_all(&plans, arguments.threads, &records);
+    let only = restriction(given)?;
+    ensure!(
+        only.seed.unwrap_or(0) < TABLE_SEED || !given.lists_failures(),
+        "data sets from seed {TABLE_SEED} on are for the table alone: their failures stay unseen"
+    );
+    let kind = given.word(1).with_context(usage)?;
+    let plans = plans(kind, given.value("--cases")?, &only)?;
+    let study = run_all(&plans, &given.records("hidden")?);
     println!("{}", markdown(&study));
-    if let Some(path) = &arguments.diagram {
-        std::fs::write(path, diagram(&study))?;
-    }
-    if arguments.restriction.seed.is_some() && !arguments.is_study() {
+    if only.seed.is_some() && !STUDIES.iter().any(|(name, _)| *name == kind) {
         study
             .outcomes
             .iter()
             .for_each(|o| println!("{}", describe(o)));
     }
-    if arguments.failures {
+    if given.lists_failures() {
         println!("{}\n{}", failures(&study), coverage(&study));
     }
     report_impossible(&study);
     Ok(())
 }
 
+fn restriction(given: &Arguments) -> Result<Restriction> {
+    let text = |name| given.option(name).map(str::to_owned);
+    Ok(Restriction {
+        robot: text("--robot"),
+        effect: text("--effect"),
+        seed: given.value("--seed")?,
+    })
+}
+
+fn recorded(file: &str) -> Result<Records<Plan, Outcome>> {
+    ensure!(Path::new(file).exists(), "{file}: there is no such file");
+    Records::open(Path::new(file))
+}
+
 /// Lists the data sets whose answer differs between two files of records.
-fn compare(before: &Path, after: &Path) -> Result<()> {
-    for file in [before, after] {
-        ensure!(file.exists(), "{}: there is no such file", file.display());
-    }
-    let (changes, both) = Records::open(before)?.changes(&Records::open(after)?);
+fn compare(before: &str, after: &str) -> Result<()> {
+    let (before, after) = (recorded(before)?, recorded(after)?);
+    let (changes, both) = changes(&before, &after);
     println!("{} of {both} data sets get another answer.", changes.len());
     for Change { plan, found, said } in changes {
         let hidden = format!("{} seed {}, {:?}", plan.robot, plan.seed, plan.wanted);
@@ -108,11 +92,7 @@ fn calibrate(files: &[String]) -> Result<()> {
     ensure!(!files.is_empty(), USAGE);
     let mut study = Study::default();
     for file in files {
-        let file = Path::new(file);
-        ensure!(file.exists(), "{}: there is no such file", file.display());
-        study
-            .outcomes
-            .extend(Records::open(file)?.outcomes().cloned());
+        study.outcomes.extend(recorded(file)?.outcomes().cloned());
     }
     println!("{}", calibration(&study));
     Ok(())
@@ -123,22 +103,21 @@ fn calibrate(files: &[String]) -> Result<()> {
 /// # Errors
 /// Never with these arguments.
 pub fn tables() -> Result<String> {
-    let plans = plans(&parse(&["all".to_owned()])?)?;
-    let study = run_all(&plans, None, &Records::default());
+    let plans = plans("all", None, &Restriction::default())?;
+    let study = run_all(&plans, &Arguments::default().records("hidden")?);
     report_impossible(&study);
     Ok(markdown(&study))
 }
 
-/// The table of the studies, or of their first data sets, taken from a file as far as they are on record there, and
-/// their diagram.
+/// The table of the studies, or of their first data sets, and their diagram.
 ///
 /// # Errors
-/// If the file cannot be read.
-pub fn studies(records: &Path, first: Option<usize>) -> Result<(String, String)> {
+/// If the records cannot be read.
+pub fn studies(given: &Arguments) -> Result<(String, String)> {
     let mut plans = table_plans(&Restriction::default());
     let all = plans.len();
-    plans.truncate(first.unwrap_or(all));
-    let study = run_all(&plans, Some(1), &Records::open(records)?);
+    plans.truncate(given.number(1, all)?);
+    let study = run_all(&plans, &given.records("hidden")?);
     report_impossible(&study);
     let summary = summary(&study);
     let text = format!("The first {} of {all} data sets.\n\n{summary}", plans.len());
@@ -151,66 +130,24 @@ fn report_impossible(study: &Study) {
     }
 }
 
-fn parse(arguments: &[String]) -> Result<Arguments> {
-    let mut parsed = Arguments {
-        kind: arguments.first().with_context(usage)?.clone(),
-        count: None,
-        draw: false,
-        failures: false,
-        threads: None,
-        records: None,
-        diagram: None,
-        restriction: Restriction::default(),
-    };
-    let mut rest = arguments[1..].iter();
-    while let Some(argument) = rest.next() {
-        let mut value = || {
-            rest.next()
-                .with_context(|| format!("{argument} what? {USAGE}"))
-        };
-        match argument.as_str() {
-            "--draw" => parsed.draw = true,
-            "--failures" => parsed.failures = true,
-            "--robot" => parsed.restriction.robot = Some(value()?.clone()),
-            "--effect" => parsed.restriction.effect = Some(value()?.clone()),
-            "--seed" => parsed.restriction.seed = Some(value()?.parse()?),
-            "--cases" => parsed.count = Some(value()?.parse()?),
-            "--threads" => parsed.threads = Some(value()?.parse()?),
-            "--diagram" => parsed.diagram = Some(value()?.into()),
-            "--records" => parsed.records = Some(value()?.into()),
-            number => parsed.count = Some(number.parse().with_context(usage)?),
-        }
-    }
-    let first = parsed.restriction.seed.unwrap_or(0);
-    ensure!(
-        (first < TABLE_SEED && parsed.kind != "table") || !parsed.failures,
-        "data sets from seed {TABLE_SEED} on are for the table alone: their failures stay unseen"
-    );
-    Ok(parsed)
-}
-
 fn usage() -> String {
     let studies = STUDIES.map(|(name, what)| format!("  {name}: {what}\n"));
     format!("{USAGE}\nstudies:\n{}", studies.concat())
 }
 
-fn plans(arguments: &Arguments) -> Result<Vec<Plan>> {
-    let count = |default| arguments.count.unwrap_or(default);
-    let only = &arguments.restriction;
-    let plans = match arguments.kind.as_str() {
+fn plans(kind: &str, cases: Option<usize>, only: &Restriction) -> Result<Vec<Plan>> {
+    let count = |default| cases.unwrap_or(default);
+    let plans = match kind {
         "single" => single(count(SINGLE), only),
         "pairs" => pairs(count(PAIRS), only),
         "clean" => clean(count(CLEAN), only),
         "outside" => outside(count(OUTSIDE), only),
         "all" => {
-            ensure!(arguments.count.is_none(), "all has its own numbers");
-            let mut all = single(SINGLE, only);
-            all.extend(pairs(PAIRS, only));
-            all.extend(clean(CLEAN, only));
-            all.extend(outside(OUTSIDE, only));
-            all
+            ensure!(cases.is_none(), "all has its own numbers");
+            let kinds = ["single", "pairs", "clean", "outside"];
+            let all = kinds.map(|kind| plans(kind, None, only).unwrap_or_default());
+            all.concat()
         }
-        "table" => table_plans(only),
         study => {
             let first = only.seed.unwrap_or(DEVELOPMENT);
             match named(study, count(CASES), first, only) {

@@ -9,7 +9,7 @@ use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
-use tautline_validation::tables::truth::preset_options;
+use tautline_validation::tables::simulated::preset_options;
 
 /// Robots, numbers of poses without home, and most hidden effects.
 const CASES: [(&str, usize, usize); 5] = [

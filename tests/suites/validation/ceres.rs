@@ -5,7 +5,7 @@
 use tautline_core::estimation::{Control, Method, Options, Problem, solve};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{TrueGeometry, simulate};
-use tautline_validation::tables::truth::preset_options;
+use tautline_validation::tables::simulated::preset_options;
 
 /// Poses, and Ceres' chi-square on MINI with seed 3 (automatic derivatives, DENSE_SCHUR,
 /// tolerances 1e-12).

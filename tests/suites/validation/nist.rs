@@ -20,7 +20,7 @@ fn required(row: &Row) -> [f64; 3] {
 
 #[test]
 fn fits_agree_with_certified_values() -> anyhow::Result<()> {
-    let rows = nist::table()?;
+    let rows = nist::study()?;
     println!("{}", nist::markdown(&rows));
     assert_eq!(rows.len(), 11 + 2 * 27, "every problem from every start");
     let short: Vec<&Row> = rows

@@ -18,7 +18,7 @@ use tautline_core::simulation::simulate;
 use tautline_session::{
     Folders, MeasuredPose, Phase, Session, find_unsaved_sessions, read_session,
 };
-use tautline_validation::tables::truth::preset_options;
+use tautline_validation::tables::simulated::preset_options;
 use tautline_workbench::model::command::FileCommand;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::{OpenSession, Options};

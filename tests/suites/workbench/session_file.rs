@@ -12,7 +12,7 @@ use tautline_session::{
     write_session,
 };
 use tautline_validation::support::program::{Answer, tautline};
-use tautline_validation::tables::truth::preset_options;
+use tautline_validation::tables::simulated::preset_options;
 use tautline_workbench::model::command::{
     Command, FileCommand, IdentificationCommand, RobotCommand,
 };

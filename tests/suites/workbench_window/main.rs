@@ -11,7 +11,7 @@ use tautline_core::simulation::simulate;
 use tautline_session::{PhaseData, Session, read_session, write_dataset};
 use tautline_validation::support::program::program;
 use tautline_validation::support::window::{Display, Window, keys};
-use tautline_validation::tables::truth::preset_options;
+use tautline_validation::tables::simulated::preset_options;
 
 const SIZE: [u32; 2] = [1440, 900];
 /// Measured poses, the home pose among them.

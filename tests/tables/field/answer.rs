@@ -1,5 +1,6 @@
 //! Right answers as data, and what is made of the answer of a diagnosis.
 
+use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{DrawingPattern, Finding, Subject, Verdict};
 use tautline_workflow::diagnosis::Diagnosed;
 
@@ -21,7 +22,7 @@ pub enum Right {
 }
 
 /// What an answer is.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer {
     /// The cause is named or the mistake said; nothing is said where nothing is wrong.
     Right,

@@ -6,9 +6,10 @@ use tautline_core::measurement::{Dataset, Measurements};
 
 use super::answer::Right;
 use super::machine::wind;
+use crate::tables::simulated::random_sign;
 
 /// What happened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// Nothing.
     None,
@@ -62,68 +63,34 @@ pub enum Fault {
     RowsTwice,
 }
 
-impl Fault {
-    /// All of them.
-    pub const ALL: [Self; 25] = [
-        Self::None,
-        Self::Scale,
-        Self::Offset,
-        Self::Slip,
-        Self::Zeros,
-        Self::Slack,
-        Self::Pair,
-        Self::TwoPairs,
-        Self::Sign,
-        Self::Counts,
-        Self::Unit,
-        Self::Extension,
-        Self::LostTurns,
-        Self::Frozen,
-        Self::Mirrored,
-        Self::OtherOrigin,
-        Self::InstrumentScale,
-        Self::InstrumentAxis,
-        Self::InstrumentMoved,
-        Self::InstrumentOutlier,
-        Self::Width,
-        Self::Turn,
-        Self::OnePulley,
-        Self::OtherDrums,
-        Self::RowsTwice,
-    ];
-
-    /// Name in the table.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "nothing",
-            Self::Scale => "scale of a winch",
-            Self::Offset => "offset of a cable",
-            Self::Slip => "cable slip",
-            Self::Zeros => "new zeros of all winches",
-            Self::Slack => "slack cable",
-            Self::Pair => "two channels exchanged",
-            Self::TwoPairs => "two pairs exchanged",
-            Self::Sign => "sign of a channel",
-            Self::Counts => "counts of a drive",
-            Self::Unit => "unit of all winches",
-            Self::Extension => "piece of cable",
-            Self::LostTurns => "lost turns",
-            Self::Frozen => "channel that stops",
-            Self::Mirrored => "axis of the instrument reversed",
-            Self::OtherOrigin => "other origin of the instrument",
-            Self::InstrumentScale => "scale of the instrument",
-            Self::InstrumentAxis => "scale of one axis of the instrument",
-            Self::InstrumentMoved => "instrument moved",
-            Self::InstrumentOutlier => "position measured wrong",
-            Self::Width => "width of the drawing",
-            Self::Turn => "turn of the drawing",
-            Self::OnePulley => "place of one pulley",
-            Self::OtherDrums => "drums of another machine",
-            Self::RowsTwice => "rows twice",
-        }
-    }
-}
+/// All of them with their names in the table.
+pub const FAULTS: [(Fault, &str); 25] = [
+    (Fault::None, "nothing"),
+    (Fault::Scale, "scale of a winch"),
+    (Fault::Offset, "offset of a cable"),
+    (Fault::Slip, "cable slip"),
+    (Fault::Zeros, "new zeros of all winches"),
+    (Fault::Slack, "slack cable"),
+    (Fault::Pair, "two channels exchanged"),
+    (Fault::TwoPairs, "two pairs exchanged"),
+    (Fault::Sign, "sign of a channel"),
+    (Fault::Counts, "counts of a drive"),
+    (Fault::Unit, "unit of all winches"),
+    (Fault::Extension, "piece of cable"),
+    (Fault::LostTurns, "lost turns"),
+    (Fault::Frozen, "channel that stops"),
+    (Fault::Mirrored, "axis of the instrument reversed"),
+    (Fault::OtherOrigin, "other origin of the instrument"),
+    (Fault::InstrumentScale, "scale of the instrument"),
+    (Fault::InstrumentAxis, "scale of one axis of the instrument"),
+    (Fault::InstrumentMoved, "instrument moved"),
+    (Fault::InstrumentOutlier, "position measured wrong"),
+    (Fault::Width, "width of the drawing"),
+    (Fault::Turn, "turn of the drawing"),
+    (Fault::OnePulley, "place of one pulley"),
+    (Fault::OtherDrums, "drums of another machine"),
+    (Fault::RowsTwice, "rows twice"),
+];
 
 /// Where and when a fault acts.
 struct Place {
@@ -141,7 +108,7 @@ impl Place {
         Self {
             cables: order,
             row: rng.random_range(data.len() / 4..3 * data.len() / 4),
-            sign: if rng.random_bool(0.5) { 1.0 } else { -1.0 },
+            sign: random_sign(rng),
         }
     }
 }
@@ -159,6 +126,16 @@ fn column(dataset: &Dataset, cable: usize) -> String {
         true => format!("length_{number}_m"),
         false => format!("rev_{number}"),
     }
+}
+
+/// Multiplies the readings of all winches.
+fn scale_all(dataset: &mut Dataset, factor: f64) -> Option<Right> {
+    let cables = 0..dataset.robot.cable_count();
+    for cable in cables.clone() {
+        wind(dataset, cable, |_, value| factor * value);
+    }
+    let columns = cables.map(|cable| column(dataset, cable));
+    Some(Right::Mistake(columns.collect()))
 }
 
 fn exchange(dataset: &mut Dataset, [a, b]: [usize; 2]) {
@@ -207,8 +184,7 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
         }
         Fault::Zeros => {
             for cable in 0..count {
-                let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-                let by_m = sign * share(rng, 0.002, 0.008);
+                let by_m = random_sign(rng) * share(rng, 0.002, 0.008);
                 add_from(dataset, cable, row, by_m);
             }
             let cables = (1..=count).collect();
@@ -255,11 +231,7 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
                 true => 360.0,
                 false => [1e3, 1e2, 1.0 / 0.0254][rng.random_range(0..3)],
             };
-            for cable in 0..count {
-                wind(dataset, cable, |_, value| factor * value);
-            }
-            let all = (0..count).map(|cable| column(dataset, cable));
-            Some(Right::Mistake(all.collect()))
+            scale_all(dataset, factor)
         }
         Fault::Extension if !counts_turns => {
             let by_m = share(rng, 0.15, 0.4);
@@ -299,11 +271,7 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
         }
         Fault::OtherDrums if counts_turns => {
             let factor = 1.0 + sign * rng.random_range(0.1..0.3);
-            for cable in 0..count {
-                wind(dataset, cable, |_, value| factor * value);
-            }
-            let all = (0..count).map(|cable| column(dataset, cable));
-            Some(Right::Mistake(all.collect()))
+            scale_all(dataset, factor)
         }
         Fault::RowsTwice => {
             let mut again = dataset.measurements.clone();
@@ -382,13 +350,8 @@ fn measure(
     let cause = |effect| Some(Right::Causes(vec![(effect, vec![])]));
     match fault {
         Fault::Mirrored => {
-            change(&|_, k, value| {
-                if k == axis {
-                    0.5 * frame_m - value
-                } else {
-                    value
-                }
-            });
+            let mirrored = |value| 0.5 * frame_m - value;
+            change(&|_, k, value| if k == axis { mirrored(value) } else { value });
             Some(Right::Mistake(vec![column[axis].to_owned()]))
         }
         Fault::OtherOrigin => {
@@ -406,24 +369,14 @@ fn measure(
         Fault::InstrumentMoved => {
             change(&|at, k, value| {
                 let is_moved = at >= row && axes.contains(&k);
-                value
-                    + if is_moved {
-                        by_m * [1.0, -0.7, 0.5][k]
-                    } else {
-                        0.0
-                    }
+                let by = if is_moved { [1.0, -0.7, 0.5][k] } else { 0.0 };
+                value + by_m * by
             });
             cause("tracker_moved")
         }
         Fault::InstrumentOutlier => {
-            let wrong = |at, k| {
-                if at == row && k == axis {
-                    3.0 * by_m
-                } else {
-                    0.0
-                }
-            };
-            change(&|at, k, value| value + wrong(at, k));
+            let is_wrong = |at, k| at == row && k == axis;
+            change(&|at, k, value| value + if is_wrong(at, k) { 3.0 * by_m } else { 0.0 });
             cause("tracker_outlier")
         }
         _ => None,

@@ -4,143 +4,105 @@ pub mod answer;
 mod fault;
 mod machine;
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use tautline_core::estimation::Control;
-use tautline_session::{PhaseData, write_dataset};
-use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
+use serde::{Deserialize, Serialize};
 
-use super::parallel::in_parallel;
+use super::counting::{by_name, count, median};
+use super::markdown::Table;
+use super::simulated::asked;
+use super::study::Study;
 use answer::{Answer, judged};
-pub use fault::Fault;
+use fault::FAULTS;
 
-/// Answers by what happened.
-#[derive(Debug, Clone, Default)]
-pub struct Row {
-    sets: usize,
-    right: usize,
-    listed: usize,
-    quiet: usize,
-    missed: usize,
-    false_names: usize,
-    seconds: Vec<f64>,
-}
+/// Seed of the first machine.
+pub const FIRST_SEED: u64 = 70_000;
 
-/// What is diagnosed, and what is done with it.
-#[derive(Debug, Clone, Default)]
-pub struct Options<'a> {
-    /// Only the fault of this name.
-    pub only: Option<&'a str>,
-    /// Machines whose noise is larger than stated and whose lengths have an error that no cause describes.
+/// Machines with each fault.
+#[derive(Debug)]
+pub struct Field {
+    /// Number of machines with each.
+    pub each: u64,
+    /// Seed of the first.
+    pub first_seed: u64,
+    /// Whether the noise is larger than stated and the lengths have an error that no cause describes.
     pub is_rough: bool,
-    /// Folder for data sets that are not answered well.
-    pub keep: Option<&'a Path>,
 }
 
-/// Diagnoses so many machines with each fault; what is missed or false goes to standard error.
-///
-/// # Errors
-/// If a machine cannot be simulated or diagnosed.
-pub fn study(each: usize, first_seed: u64, options: &Options<'_>) -> Result<BTreeMap<Fault, Row>> {
-    let faults = Fault::ALL.iter().enumerate();
-    let cases: Vec<(Fault, u64)> = faults
-        .filter(|(_, fault)| options.only.is_none_or(|name| fault.name() == name))
-        .flat_map(|(index, fault)| {
-            let first = first_seed + (index * each) as u64;
-            (first..first + each as u64).map(|seed| (*fault, seed))
-        })
-        .collect();
-    let mut rows: BTreeMap<Fault, Row> = BTreeMap::new();
-    for (case, answer) in cases
-        .iter()
-        .zip(in_parallel(&cases, None, |case| answer(case, options)))
-    {
-        let Some((answer, seconds)) = answer? else {
-            continue;
+/// A machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Case {
+    /// Which of the faults.
+    fault: usize,
+    seed: u64,
+    is_rough: bool,
+}
+
+/// What is made of one data set, and the time that it takes (s).
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Outcome {
+    answer: Answer,
+    seconds: f64,
+}
+
+impl Study for Field {
+    type Case = Case;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<Case>> {
+        let case = |number: u64| Case {
+            fault: (number / self.each) as usize,
+            seed: self.first_seed + number,
+            is_rough: self.is_rough,
         };
-        let row = rows.entry(case.0).or_default();
-        row.sets += 1;
-        row.seconds.push(seconds);
-        match answer {
-            Answer::Right => row.right += 1,
-            Answer::Listed => row.listed += 1,
-            Answer::Quiet => row.quiet += 1,
-            Answer::Missed => row.missed += 1,
-            Answer::False(_) => row.false_names += 1,
-        }
+        Ok((0..self.each * FAULTS.len() as u64).map(case).collect())
     }
-    Ok(rows)
-}
 
-/// What is made of one data set, and the time that it takes (s); `None` if the machine cannot have the fault.
-fn answer(case: &(Fault, u64), options: &Options<'_>) -> Result<Option<(Answer, f64)>> {
-    let (fault, seed) = *case;
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut dataset = machine::sound(seed, options.is_rough, &mut rng)?;
-    let Some(right) = fault::put(fault, &mut dataset, &mut rng) else {
-        return Ok(None);
-    };
-    let name = dataset.robot.name.clone();
-    let dataset = Arc::new(dataset);
-    let limits = (0.01, TIME_LIMIT_S);
-    let told = diagnose_dataset(Arc::clone(&dataset), limits, &mut |_| Control::Continue)?;
-    let answer = judged(&told, &right);
-    if !matches!(answer, Answer::Right | Answer::Listed | Answer::Quiet) {
-        let said = told.headline();
-        if let Some(folder) = options.keep {
-            write_dataset(
-                &folder.join(seed.to_string()),
-                &dataset,
-                &PhaseData::default(),
-            )?;
+    /// What is missed or false goes to standard error. A machine that cannot have the fault has no outcome.
+    fn run(&self, case: &Case) -> Result<Option<Outcome>> {
+        let Case { seed, is_rough, .. } = *case;
+        let (fault, name) = FAULTS[case.fault];
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut dataset = machine::sound(seed, is_rough, &mut rng)?;
+        let Some(right) = fault::put(fault, &mut dataset, &mut rng) else {
+            return Ok(None);
+        };
+        let dataset = Arc::new(dataset);
+        let told = asked(Arc::clone(&dataset))?;
+        let answer = judged(&told, &right);
+        if !matches!(answer, Answer::Right | Answer::Listed | Answer::Quiet) {
+            let (robot, said) = (&dataset.robot.name, told.headline());
+            eprintln!("{name}, seed {seed}, {robot}: {answer:?}, expected {right:?}; {said}");
         }
-        eprintln!(
-            "{}, seed {seed}, {name}: {answer:?}, expected {right:?}; {said}",
-            fault.name()
-        );
+        Ok(Some(Outcome {
+            answer,
+            seconds: told.seconds,
+        }))
     }
-    Ok(Some((answer, told.seconds)))
-}
 
-/// The table.
-#[must_use]
-pub fn markdown(rows: &BTreeMap<Fault, Row>) -> String {
-    let mut table = "| what happened | data sets | right | listed | rightly quiet | missed | false names | median s |\n|---|---|---|---|---|---|---|---|\n".to_owned();
-    let mut all = Row::default();
-    let mut line = |name: &str, row: &Row| {
-        let mut sorted = row.seconds.clone();
-        sorted.sort_by(f64::total_cmp);
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
-        let Row {
-            sets,
-            right,
-            listed,
-            quiet,
-            missed,
-            false_names,
-            ..
-        } = row;
-        let _ = writeln!(
-            table,
-            "| {name} | {sets} | {right} | {listed} | {quiet} | {missed} | {false_names} | {median:.2} |"
+    fn table(&self, outcomes: &[(Case, Outcome)]) -> Result<String> {
+        let mut table = Table::new(
+            "what happened | data sets | right | listed | rightly quiet | missed | false names | median s",
         );
-    };
-    for (fault, row) in rows {
-        line(fault.name(), row);
-        all.sets += row.sets;
-        all.right += row.right;
-        all.listed += row.listed;
-        all.quiet += row.quiet;
-        all.missed += row.missed;
-        all.false_names += row.false_names;
-        all.seconds.extend(&row.seconds);
+        let names = FAULTS.map(|(_, name)| name);
+        for (name, all) in by_name(&names, outcomes, |case| FAULTS[case.fault].1) {
+            if all.is_empty() && name != "all" {
+                continue;
+            }
+            table.row(format_args!(
+                "{name} | {} | {} | {} | {} | {} | {} | {:.2}",
+                all.len(),
+                count(&all, |one| one.answer == Answer::Right),
+                count(&all, |one| one.answer == Answer::Listed),
+                count(&all, |one| one.answer == Answer::Quiet),
+                count(&all, |one| one.answer == Answer::Missed),
+                count(&all, |one| matches!(one.answer, Answer::False(_))),
+                median(all.iter().map(|one| one.seconds)),
+            ));
+        }
+        Ok(table.text())
     }
-    line("all", &all);
-    table
 }

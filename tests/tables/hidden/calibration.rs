@@ -1,12 +1,11 @@
 //! Fits the function from computed to stated probabilities to the outcomes of studies.
 
-use std::fmt::Write as _;
-
-use tautline_core::diagnosis::stated_probability;
+use tautline_core::diagnosis::{Verdict, stated_probability};
 
 use super::Study;
-use super::run::Sure;
 use super::table::logarithmic_score;
+use crate::tables::counting::total;
+use crate::tables::markdown::Table;
 
 /// Bounds of computed log odds: beyond, a probability is 0 or 1 in double precision.
 const LARGEST_LOG_ODDS: f64 = 36.0;
@@ -37,7 +36,7 @@ pub fn statements(study: &Study) -> Vec<Statement> {
         let said = outcome
             .said
             .iter()
-            .filter(|said| said.sure != Sure::Unknown);
+            .filter(|said| said.verdict != Verdict::Unknown);
         let lists = said.map(|said| &said.candidates[..]);
         for causes in lists.chain(outcome.possible.chunks(1)) {
             let stated: f64 = causes.iter().map(|cause| cause.probability).sum();
@@ -124,35 +123,36 @@ pub fn calibration(study: &Study) -> String {
     let fitted = Calibration::fit(&statements);
     let now = |one: &Statement| stated_probability(logistic(one.log_odds));
     let [offset, slope, ceiling] = fitted.values;
-    let mut text = format!(
-        "{} names, lists and possible causes. Fitted: offset {offset:.2}, slope {slope:.2}, ceiling {ceiling:.4}; logarithmic \
-         score {:.4}, now {:.4}.\n\n| computed | statements | stated now | fitted | true |\n|---|---|---|---|---|\n",
-        statements.len(),
-        fitted.score(&statements),
-        score(&statements, now),
-    );
+    let mut table = Table::new("computed | statements | stated now | fitted | true");
     for borders in BORDERS.windows(2) {
         let is_in = |one: &&Statement| {
             let computed = logistic(one.log_odds);
             (borders[0]..borders[1]).contains(&computed) || computed == 1.0 && borders[1] == 1.0
         };
         let class: Vec<&Statement> = statements.iter().filter(is_in).collect();
-        let mean = |value: &dyn Fn(&Statement) -> f64| {
-            100.0 * class.iter().map(|one| value(one)).sum::<f64>() / class.len() as f64
-        };
-        if !class.is_empty() {
-            let [from, to] = [borders[0], borders[1]].map(|p| 100.0 * p);
-            let _ = writeln!(
-                text,
-                "| {from} to {to} % | {} | {:.1} % | {:.1} % | {:.1} % |",
-                class.len(),
-                mean(&now),
-                mean(&|one| fitted.stated(one.log_odds)),
-                mean(&|one| f64::from(u8::from(one.is_true))),
-            );
+        if class.is_empty() {
+            continue;
         }
+        let mean = |value: &dyn Fn(&Statement) -> f64| {
+            100.0 * total::<_, f64>(&class, value) / class.len() as f64
+        };
+        let [from, to] = [borders[0], borders[1]].map(|p| 100.0 * p);
+        table.row(format_args!(
+            "{from} to {to} % | {} | {:.1} % | {:.1} % | {:.1} %",
+            class.len(),
+            mean(&now),
+            mean(&|one| fitted.stated(one.log_odds)),
+            mean(&|one| f64::from(u8::from(one.is_true))),
+        ));
     }
-    text
+    format!(
+        "{} names, lists and possible causes. Fitted: offset {offset:.2}, slope {slope:.2}, ceiling {ceiling:.4}; logarithmic \
+         score {:.4}, now {:.4}.\n\n{}",
+        statements.len(),
+        fitted.score(&statements),
+        score(&statements, now),
+        table.text(),
+    )
 }
 
 #[cfg(test)]

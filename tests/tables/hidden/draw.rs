@@ -1,7 +1,7 @@
 //! Draws cases with random targets, signs and sizes.
 
 use anyhow::{Context, Result, anyhow, bail};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
@@ -9,7 +9,8 @@ use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
 use super::conditions::Conditions;
 use super::template::{Template, log_uniform};
 use super::visibility::{JUST_VISIBLE, VISIBLE, chi2_of_nearest_effect, noncentrality, size_for};
-use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outside, several};
+use super::{Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outside, several};
+use crate::tables::simulated::stream;
 
 /// Maximum number of failed draws, for example of effects that break the robot, before a plan is given up.
 const MAX_DRAWS: usize = 30;
@@ -21,8 +22,10 @@ pub(crate) const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 /// A case, and how it was drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
-    /// The case to be simulated.
-    pub case: Case,
+    /// What is hidden.
+    pub hidden: Hidden,
+    /// Imperfections of the measurements.
+    pub conditions: Conditions,
     /// Noncentrality of each hidden effect with the others estimated. For an effect outside the catalogue, the second
     /// value is what the nearest effect of the catalogue leaves unexplained.
     pub noncentralities: Vec<f64>,
@@ -45,9 +48,8 @@ struct Sized {
 /// # Errors
 /// If the names are unknown or nothing could be drawn that leaves the robot whole.
 pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
-    let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
     // The simulation uses the same seed, so the draws need another stream.
-    rng.set_stream(1);
+    let mut rng = stream(plan.seed, 1);
     let conditions = Conditions::draw(plan.circumstances, &mut rng);
     let setup = Setup::new(plan, conditions)?;
     let (setup, rng) = (&setup, &mut rng);
@@ -82,12 +84,8 @@ pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
 /// A case whose hidden effects are all visible.
 fn drawn(setup: &Setup, hidden: Hidden, noncentralities: Vec<f64>) -> Drawn {
     Drawn {
-        case: Case {
-            robot: setup.robot.name,
-            seed: setup.seed,
-            hidden,
-            conditions: setup.conditions,
-        },
+        hidden,
+        conditions: setup.conditions,
         noncentralities,
         visible: true,
         redraws: 0,

@@ -12,8 +12,7 @@ use tautline_core::simulation::{Simulated, SimulationOptions, TrueGeometry, simu
 use super::Setup;
 use super::judge::matched;
 use super::names::{self, Name};
-use super::visibility::solved;
-use crate::tables::truth::preset_options;
+use crate::tables::simulated::{preset_options, solved};
 
 /// Difference of chi-square from which a cause fits clearly worse if the number of parameters is the same, and
 /// allowance for each additional parameter (Akaike 1974).
@@ -190,6 +189,7 @@ mod tests {
     use super::*;
     use crate::tables::hidden::robots::robot;
     use crate::tables::hidden::{Conditions, Hidden};
+    use crate::tables::simulated::setting;
 
     fn mini() -> Setup {
         Setup {
@@ -205,11 +205,7 @@ mod tests {
     }
 
     fn scale(cable: &str, value: f64) -> EffectSetting {
-        EffectSetting {
-            effect: "winch_scale".to_owned(),
-            targets: vec![cable.to_owned()],
-            parameters: [("scale".to_owned(), value)].into(),
-        }
+        setting("winch_scale", &[cable], "scale", value)
     }
 
     #[test]

@@ -1,24 +1,23 @@
 //! The hidden-effect study: effects are hidden in simulated data and must be found by the diagnosis.
 //!
 //! A [`Plan`] determines what to hide in which robot and under which [`Circumstances`] it is measured. [`draw`] turns
-//! it into a [`Case`] with random targets, signs and sizes; [`run`] simulates the case, diagnoses it and compares the
+//! it into a case with random targets, signs and sizes; [`run`] simulates and diagnoses it, and compares the
 //! findings with the truth; [`Study`] collects the outcomes of many plans, and [`markdown`] makes tables of them.
 //!
 //! The visibility of an effect is determined independently of the diagnosis by its noncentrality: the chi-square of a
 //! model without the effect for noise-free data.
 
 mod calibration;
+mod changes;
 mod conditions;
 mod draw;
 mod exchange;
 mod hanging;
-mod interval;
 mod judge;
 mod measure;
 mod names;
 mod outside;
 mod plans;
-mod records;
 pub mod robots;
 mod run;
 mod setup;
@@ -28,32 +27,27 @@ mod template;
 mod visibility;
 
 pub use calibration::{Calibration, Statement, calibration};
+pub use changes::{Change, changes};
 pub use conditions::{Circumstances, Conditions, NoiseFactors, add_noise};
 pub use draw::{Drawn, draw};
 pub(crate) use draw::{NEGLIGIBLE, OUTSIDE_SIZES};
 pub use exchange::Channels;
-pub use interval::{binomial_tail, clopper_pearson};
 pub use judge::{Claim, Found, judge, wrong_names};
 pub use measure::{ParameterError, held_out_ratio, parameter_errors, rivals_fit};
 pub use outside::{OUTSIDE, Outside, Scene};
 pub use plans::{
     Restriction, STUDIES, TABLE_SEED, clean, named, outside, pairs, single, table_plans,
 };
-pub use records::{Change, Records};
 pub use robots::{TestRobot, robot, robots};
-pub(crate) use run::Started;
-pub use run::{
-    Candidate, FindingRecord, Outcome, Study, Sure, WithoutHoles, draw_all, run, run_all,
-};
+pub use run::{Candidate, FindingRecord, Outcome, Study, WithoutHoles, run, run_all};
 pub use setup::Setup;
 pub use table::{
-    Figure, Figures, Target, coverage, describe, diagram, drawn_markdown, failures, markdown,
-    summary,
+    Figure, Figures, Target, coverage, describe, diagram, failures, markdown, summary,
 };
 pub use template::Template;
 pub(crate) use template::log_uniform;
 pub use visibility::{JUST_VISIBLE, VISIBLE, noncentrality};
-pub(crate) use visibility::{on_each_target, single_effects, size_for, solved};
+pub(crate) use visibility::{on_each_target, single_effects, size_for};
 
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;
@@ -135,18 +129,4 @@ impl Hidden {
             Self::Nothing | Self::Outside(..) | Self::Exchanged(..) => &[],
         }
     }
-}
-
-/// One dataset with its hidden content.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Case {
-    /// Name of the robot.
-    #[serde(with = "names")]
-    pub robot: Name,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// What is hidden.
-    pub hidden: Hidden,
-    /// Imperfections of the measurements.
-    pub conditions: Conditions,
 }

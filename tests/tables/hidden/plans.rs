@@ -1,6 +1,8 @@
 //! Selects the datasets of a study.
 
-use tautline_core::effect::CATALOGUE;
+use std::collections::BTreeSet;
+
+use tautline_core::effect::{CATALOGUE, Effect};
 
 use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
@@ -33,22 +35,21 @@ impl Restriction {
     }
 
     /// Numbers the seeds before applying the restriction, so that a dataset keeps its seed.
-    fn plans(&self, wanted: impl Iterator<Item = (&'static str, Wanted)>) -> Vec<Plan> {
-        let plans = wanted.enumerate().map(|(n, (robot, wanted))| Plan {
-            robot,
-            seed: self.seed.unwrap_or(FIRST_SEED + n as u64),
-            wanted,
-            circumstances: Circumstances::AsStated,
-        });
+    fn plans(&self, wanted: impl IntoIterator<Item = (&'static str, Wanted)>) -> Vec<Plan> {
+        let plans = wanted
+            .into_iter()
+            .enumerate()
+            .map(|(n, (robot, wanted))| Plan {
+                robot,
+                seed: self.seed.unwrap_or(FIRST_SEED + n as u64),
+                wanted,
+                circumstances: Circumstances::AsStated,
+            });
         let mut plans: Vec<Plan> = plans.filter(|plan| self.allows(plan)).collect();
         if self.seed.is_some() {
             // With a single seed, repetitions would be identical.
-            let mut unique: Vec<Plan> = Vec::new();
-            plans.retain(|plan| {
-                let new = !unique.contains(plan);
-                unique.push(*plan);
-                new
-            });
+            let mut seen = BTreeSet::new();
+            plans.retain(|plan| seen.insert(*plan));
         }
         plans
     }
@@ -65,22 +66,30 @@ pub fn single(count: usize, restriction: &Restriction) -> Vec<Plan> {
         0 => Stratum::JustVisible,
         _ => Stratum::Typical,
     };
-    let mut wanted = Vec::new();
+    restriction.plans(on_every_robot(count, |repetition| {
+        let one = |effect: &&Effect| Wanted::One(effect.id(), stratum(repetition));
+        CATALOGUE.iter().map(one).collect()
+    }))
+}
+
+/// All that is wanted on every robot, `count` times.
+fn on_every_robot(
+    count: usize,
+    wanted: impl Fn(usize) -> Vec<Wanted>,
+) -> Vec<(&'static str, Wanted)> {
+    let mut all = Vec::new();
     for repetition in 0..count {
         for robot in names() {
-            for effect in CATALOGUE {
-                wanted.push((robot, Wanted::One(effect.id(), stratum(repetition))));
-            }
+            all.extend(wanted(repetition).into_iter().map(|wanted| (robot, wanted)));
         }
     }
-    restriction.plans(wanted.into_iter())
+    all
 }
 
 /// Random pairs of effects, `count` for every robot.
 #[must_use]
 pub fn pairs(count: usize, restriction: &Restriction) -> Vec<Plan> {
-    let each = (0..count).flat_map(|_| names());
-    restriction.plans(each.map(|robot| (robot, Wanted::Two)))
+    restriction.plans(on_every_robot(count, |_| vec![Wanted::Two]))
 }
 
 /// Datasets without a hidden effect, `count` in all, distributed over the robots.
@@ -93,15 +102,8 @@ pub fn clean(count: usize, restriction: &Restriction) -> Vec<Plan> {
 /// Every effect outside the catalogue on every robot, `count` times.
 #[must_use]
 pub fn outside(count: usize, restriction: &Restriction) -> Vec<Plan> {
-    let mut wanted = Vec::new();
-    for _ in 0..count {
-        for robot in names() {
-            for effect in &OUTSIDE {
-                wanted.push((robot, Wanted::Outside(effect.id)));
-            }
-        }
-    }
-    restriction.plans(wanted.into_iter())
+    let effects = OUTSIDE.iter().map(|effect| Wanted::Outside(effect.id));
+    restriction.plans(on_every_robot(count, |_| effects.clone().collect()))
 }
 
 /// Circumstances in which only the noise may deviate.

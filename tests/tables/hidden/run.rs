@@ -1,15 +1,12 @@
 //! Simulates cases, diagnoses them and compares the findings with the truth.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{
-    Cause, Diagnosis, DiagnosisOptions, Finding, NoiseStatement, PossibleCause, Subject, Verdict,
-    diagnose,
+    Cause, Diagnosis, Finding, NoiseStatement, PossibleCause, Subject, Verdict,
 };
 use tautline_core::effect::{BoundEffect, EffectSetting};
-use tautline_core::estimation::{Control, Geometry, Problem};
+use tautline_core::estimation::{Geometry, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::Simulated;
@@ -19,20 +16,9 @@ use super::exchange::{is_exchange, is_undone};
 use super::judge::{self, Claim, Found, judge, matched, wrong_names};
 use super::measure::{ParameterError, held_out_ratio, parameter_errors, rivals_fit};
 use super::robots::Truth;
-use super::visibility::solved;
-use super::{Circumstances, Conditions, Hidden, Plan, Records, Setup, Wanted};
-use crate::tables::parallel::in_parallel;
-
-/// How certain the name of a finding is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Sure {
-    /// One cause stands out.
-    Named,
-    /// Several causes exclude each other.
-    Ambiguous,
-    /// No effect of the catalogue explains the error.
-    Unknown,
-}
+use super::{Circumstances, Conditions, Hidden, Plan, Setup, Wanted};
+use crate::tables::simulated::{diagnosed, solved};
+use crate::tables::study::{Records, results};
 
 /// A cause of a finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,7 +37,7 @@ pub struct FindingRecord {
     /// Identifiers with cable numbers.
     pub text: String,
     /// How certain the finding is.
-    pub sure: Sure,
+    pub verdict: Verdict,
     /// Reduction of chi-square.
     pub gain: f64,
     /// The cause and its alternatives; empty for an unknown error.
@@ -109,7 +95,11 @@ impl Outcome {
     pub fn unknown_without_reason(&self) -> bool {
         let nothing_unknown = self.plan.circumstances != Circumstances::ModelError
             && !matches!(self.plan.wanted, Wanted::Outside(_));
-        nothing_unknown && self.said.iter().any(|said| said.sure == Sure::Unknown)
+        nothing_unknown
+            && self
+                .said
+                .iter()
+                .any(|said| said.verdict == Verdict::Unknown)
     }
 }
 
@@ -129,33 +119,34 @@ pub struct Study {
 /// # Errors
 /// If the case cannot be simulated or diagnosed.
 pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
-    let case = &drawn.case;
-    let setup = Setup::new(plan, case.conditions)?;
-    let mut run = setup.measured(&case.hidden)?;
+    let Drawn {
+        hidden, conditions, ..
+    } = &drawn;
+    let setup = Setup::new(plan, *conditions)?;
+    let mut run = setup.measured(hidden)?;
     let mut without_holes = None;
-    if case.conditions.holes {
+    if conditions.holes {
         let (_, claims, _) = run_diagnosis(&run.dataset)?;
-        let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
+        let found = judge_claims(&run, (hidden, conditions), &claims)?;
         setup.lose_cells(&mut run);
         without_holes = Some(WithoutHoles {
             found: found.iter().map(|(found, _)| *found).collect(),
-            fit_arrives: fit_arrives(&run, case.hidden.effects())?,
+            fit_arrives: fit_arrives(&run, hidden.effects())?,
         });
     }
     let (diagnosis, claims, seconds) = run_diagnosis(&run.dataset)?;
-    let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
-    let truths = case.hidden.effects();
+    let found = judge_claims(&run, (hidden, conditions), &claims)?;
+    let truths = hidden.effects();
     let robot = &run.dataset.robot;
     let mut wrong = wrong_names(truths, &claims, robot);
-    let undone = matches!(case.hidden, Hidden::Exchanged(..)) && found[0].0 == Found::Named;
+    let undone = matches!(hidden, Hidden::Exchanged(..)) && found[0].0 == Found::Named;
     if undone {
         let first = |claim: &&Claim| claim.candidates[0].cause().is_some_and(is_exchange);
         let exchanges = claims.iter().filter(first);
         let right: Vec<String> = exchanges.map(Claim::describe).collect();
         wrong.retain(|name| !right.contains(name));
     }
-    let comparable =
-        case.conditions == Conditions::default() && setup.robot.truth == Truth::AsStated;
+    let comparable = *conditions == Conditions::default() && setup.robot.truth == Truth::AsStated;
     let held_out_ratio = if truths.is_empty() || !comparable {
         None
     } else {
@@ -184,40 +175,9 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     })
 }
 
-/// Start time of an operation on this thread.
-pub(crate) struct Started {
-    at: Instant,
-    /// Processor time of the thread until then (s), if the system reports it.
-    spent_s: Option<f64>,
-}
-
-impl Started {
-    pub(crate) fn now() -> Self {
-        Self {
-            at: Instant::now(),
-            spent_s: Self::spent_s(),
-        }
-    }
-
-    fn spent_s() -> Option<f64> {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
-        Some(1e-9 * nanoseconds)
-    }
-
-    /// Processor time since then (s), or elapsed time if the system does not report it.
-    pub(crate) fn elapsed_s(&self) -> f64 {
-        let spent = Self::spent_s().zip(self.spent_s);
-        spent.map_or_else(|| self.at.elapsed().as_secs_f64(), |(now, then)| now - then)
-    }
-}
-
 /// Diagnoses a dataset. Returns the diagnosis, its claims and the processor time (s).
 fn run_diagnosis(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
-    let started = Started::now();
-    let options = DiagnosisOptions::default();
-    let diagnosis = diagnose(dataset, &options, &mut |_| Control::Continue)?;
-    let seconds = started.elapsed_s();
+    let (diagnosis, seconds) = diagnosed(dataset)?;
     let claims = Claim::of(&diagnosis.findings);
     Ok((diagnosis, claims, seconds))
 }
@@ -246,15 +206,10 @@ fn finding_record(
             right: is_right(subject.cause()?),
         })
     };
-    let sure = match claim.verdict {
-        Verdict::Named => Sure::Named,
-        Verdict::Ambiguous => Sure::Ambiguous,
-        Verdict::Unknown => Sure::Unknown,
-    };
     let pairs = claim.candidates.iter().zip(&claim.probabilities);
     FindingRecord {
         text: claim.describe(),
-        sure,
+        verdict: claim.verdict,
         gain: findings[claim.finding].evidence.delta_chi2,
         candidates: pairs.filter_map(candidate).collect(),
     }
@@ -341,35 +296,17 @@ fn errors(
     findings.into_iter().flat_map(errors).collect()
 }
 
-/// Results by plan in the order of the plans; `None` if the robot has no reading for the effect.
-type Results<T> = Vec<(Plan, Result<Option<T>>)>;
-
-/// Draws and runs all plans in several threads, by default as many as there are processors. Recorded outcomes are
-/// reused, and new ones are recorded.
+/// Draws and runs all plans. Recorded outcomes are reused, and new ones are recorded.
 #[must_use]
-pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Study {
-    let job = |plan: &Plan| -> Result<Option<Outcome>> {
-        if let Some(known) = records.of(plan) {
-            return Ok(known.clone());
-        }
-        let outcome = draw(plan)?.map(|drawn| run(plan, drawn)).transpose()?;
-        records.add(plan, outcome.as_ref())?;
-        Ok(outcome)
-    };
+pub fn run_all(plans: &[Plan], records: &Records<Plan, Outcome>) -> Study {
+    let outcome = |plan: &Plan| draw(plan)?.map(|drawn| run(plan, drawn)).transpose();
     let mut study = Study::default();
-    for (plan, result) in plans.iter().zip(in_parallel(plans, threads, job)) {
+    for (plan, result) in results(plans.to_vec(), records, outcome) {
         match result {
             Ok(Some(outcome)) => study.outcomes.push(outcome),
             Ok(None) => study.not_applicable += 1,
-            Err(error) => study.impossible.push((*plan, format!("{error:#}"))),
+            Err(error) => study.impossible.push((plan, format!("{error:#}"))),
         }
     }
     study
-}
-
-/// Draws all plans without diagnosing them.
-#[must_use]
-pub fn draw_all(plans: &[Plan]) -> Results<Drawn> {
-    let drawn = in_parallel(plans, None, draw);
-    plans.iter().copied().zip(drawn).collect()
 }

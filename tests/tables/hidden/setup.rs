@@ -1,7 +1,6 @@
 //! Setup of a dataset: robot, seed and imperfections of the measurements.
 
 use anyhow::{Context, Result};
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use tautline_core::effect::EffectSetting;
 use tautline_core::measurement::Dataset;
@@ -12,7 +11,7 @@ use super::conditions::{add_model_error, add_noise, add_shared_errors, empty_cel
 use super::outside::{self, Scene};
 use super::robots::{TestRobot, Truth, robot};
 use super::{Circumstances, Conditions, Hidden, Plan, Wanted, hanging};
-use crate::tables::truth::preset_options;
+use crate::tables::simulated::{preset_options, stream};
 
 /// Streams of random numbers. The simulation uses stream 0 of the same seed, other modules use streams 1 and 2.
 const HANGING: u64 = 3;
@@ -57,9 +56,7 @@ impl Setup {
     }
 
     fn stream(&self, number: u64) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(number);
-        rng
+        stream(self.seed, number)
     }
 
     /// Simulates the robot with effects of the catalogue, without noise.

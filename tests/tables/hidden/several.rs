@@ -9,6 +9,7 @@ use super::draw::NEGLIGIBLE;
 use super::setup::Setup;
 use super::template::{Template, log_uniform};
 use super::visibility::{VISIBLE, chi2_of_nearest_other, noncentrality};
+use crate::tables::simulated::{random_sign, setting};
 
 /// Maximum number of failed draws before a plan is given up.
 const MAX_DRAWS: usize = 600;
@@ -132,17 +133,8 @@ pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
     bail!("nothing drawn leaves {} whole", setup.robot.name)
 }
 
-fn setting(effect: &str, targets: &[&str], parameter: &str, value: f64) -> EffectSetting {
-    EffectSetting {
-        effect: effect.to_owned(),
-        targets: targets.iter().map(|&name| name.to_owned()).collect(),
-        parameters: [(parameter.to_owned(), value)].into(),
-    }
-}
-
 fn signed(range: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
-    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-    sign * rng.random_range(range[0]..=range[1])
+    random_sign(rng) * rng.random_range(range[0]..=range[1])
 }
 
 /// Draws one offset common to all cables.

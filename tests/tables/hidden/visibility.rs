@@ -4,25 +4,18 @@ use anyhow::{Result, ensure};
 use tautline_core::effect::{
     BoundEffect, CATALOGUE, Effect, EffectRequest, EffectSetting, Scope, Search,
 };
-use tautline_core::estimation::{Control, Geometry, Options, Problem, Solution, solve};
+use tautline_core::estimation::{Geometry, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
 use super::Setup;
+use crate::tables::simulated::solved;
 
 /// Noncentrality from which an effect counts as visible. A test corrected for some hundred hypotheses detects it with a
 /// probability of about 0.99.
 pub const VISIBLE: f64 = 40.0;
 /// Range of noncentralities of effects that are just visible.
 pub const JUST_VISIBLE: [f64; 2] = [25.0, 60.0];
-
-/// Solves a problem.
-pub(crate) fn solved(problem: &Problem<'_>) -> Result<Solution> {
-    let options = Options::default();
-    let found = solve(problem, &options, &mut |_| Control::Continue)?;
-    ensure!(found.chi2.is_finite(), "the fit broke down");
-    Ok(found)
-}
 
 /// Noncentrality of an effect with others estimated: the chi-square of a model without it for noise-free data.
 ///
@@ -201,6 +194,7 @@ mod tests {
     use super::*;
     use crate::tables::hidden::robots::robot;
     use crate::tables::hidden::{Conditions, Hidden};
+    use crate::tables::simulated::setting;
 
     fn mini(seed: u64) -> Setup {
         Setup {
@@ -211,11 +205,7 @@ mod tests {
     }
 
     fn scale(size: f64) -> EffectSetting {
-        EffectSetting {
-            effect: "winch_scale".to_owned(),
-            targets: vec!["cable-3".to_owned()],
-            parameters: [("scale".to_owned(), size)].into(),
-        }
+        setting("winch_scale", &["cable-3"], "scale", size)
     }
 
     #[test]

@@ -10,7 +10,8 @@ use tautline_core::robot::Robot;
 use tautline_workflow::formulas::{Formula, Reading, formulas};
 
 use super::file::{File, of_outside};
-use crate::tables::hidden::{Hidden, OUTSIDE, Outside, Scene, Setup, solved};
+use crate::tables::hidden::{Hidden, OUTSIDE, Outside, Scene, Setup};
+use crate::tables::simulated::solved;
 
 /// Where a form comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

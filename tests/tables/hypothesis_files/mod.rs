@@ -6,31 +6,31 @@ mod forms;
 mod outcome;
 mod table;
 
-use std::sync::Arc;
-
 use anyhow::{Context, Result};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use tautline_core::diagnosis::{Cause, DiagnosisOptions, Verdict, is_confused, is_seen, log_odds};
+use rand::RngExt;
+use tautline_core::diagnosis::{Cause, Verdict, is_confused, is_seen, log_odds};
 use tautline_core::effect::{Effect, EffectRequest, EffectSetting, Hypothesis, MAX_HYPOTHESES};
 use tautline_core::estimation::{Control, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::Simulated;
 use tautline_workflow::diagnosis::Diagnosed;
-use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::formulas::{PATTERN, Reading, find_formulas, formulas, unexplained};
 
 use self::forms::{Form, OnRobot, Origin, forms, ten_files};
-use crate::tables::formulas::place_of;
-use crate::tables::hidden::{
-    Circumstances, Claim, Conditions, Found, Hidden, NEGLIGIBLE, OUTSIDE_SIZES, Plan, Records,
-    Setup, Started, Wanted, draw, held_out_ratio, judge, log_uniform, on_each_target, robot,
-    single_effects, size_for, solved,
+use super::formulas::place_of;
+use super::hidden::{
+    Circumstances, Claim, Conditions, Found, Hidden, NEGLIGIBLE, OUTSIDE_SIZES, Plan, Setup,
+    Wanted, draw, held_out_ratio, judge, log_uniform, on_each_target, robot, single_effects,
+    size_for,
 };
+use super::simulated::{asked, random_sign, solved, stream, timed};
+use super::study::Study;
 pub use outcome::{Case, Crowd, Machine, Outcome, Tried};
-pub use table::markdown;
+use table::markdown;
 
+/// Seed of the first data set.
+pub const FIRST_SEED: u64 = 47_000;
 /// Robots, in turn: together they have every kind of reading.
 const ROBOTS: [&str; 6] = [
     "hall",
@@ -69,45 +69,49 @@ pub fn cases(first_seed: u64) -> Vec<Case> {
     cases
 }
 
-/// Processes the data sets, those on record from there; `None` for those whose robot has nothing that the form changes.
-/// What cannot be simulated is told on the standard error.
-///
-/// # Errors
-/// If the records cannot be written.
-pub fn study(
-    cases: &[Case],
-    records: &Records<Case, Outcome>,
-) -> Result<Vec<(Case, Option<Outcome>)>> {
-    let mut found = Vec::new();
-    for case in cases {
-        let outcome = match records.of(case) {
-            Some(known) => known.clone(),
-            None => match run(case) {
-                Ok(outcome) => {
-                    records.add(case, outcome.as_ref())?;
-                    outcome
-                }
-                Err(error) => {
-                    eprintln!("{case:?}: {error:#}");
-                    continue;
-                }
-            },
-        };
-        found.push((case.clone(), outcome));
+/// The first data sets of all from a seed on.
+#[derive(Debug)]
+pub struct HypothesisFiles {
+    /// Largest number of data sets.
+    pub first: usize,
+    /// Seed of the first one.
+    pub first_seed: u64,
+}
+
+impl Study for HypothesisFiles {
+    type Case = Case;
+    type Outcome = Outcome;
+
+    fn cases(&self) -> Result<Vec<Case>> {
+        let mut cases = cases(self.first_seed);
+        cases.truncate(self.first);
+        Ok(cases)
     }
-    Ok(found)
+
+    /// There is no outcome if the robot has nothing that the form changes. What cannot be simulated is told on standard error.
+    fn run(&self, case: &Case) -> Result<Option<Outcome>> {
+        Ok(run(case).unwrap_or_else(|error| {
+            eprintln!("{case:?}: {error:#}");
+            None
+        }))
+    }
+
+    fn table(&self, outcomes: &[(Case, Outcome)]) -> Result<String> {
+        let (some, all) = (self.cases()?.len(), cases(self.first_seed).len());
+        Ok(format!(
+            "The first {some} of {all} data sets.\n\n{}",
+            markdown(outcomes)
+        ))
+    }
 }
 
 fn run(case: &Case) -> Result<Option<Outcome>> {
-    match &case.form {
-        None => crowd(case).map(|crowd| Some(Outcome::Crowd(crowd))),
-        Some(id) => {
-            let form = forms()
-                .find(|form| form.id == *id)
-                .context("no such form")?;
-            Ok(tried(case, &form)?.map(Outcome::Tried))
-        }
-    }
+    let Some(id) = &case.form else {
+        return crowd(case).map(|crowd| Some(Outcome::Crowd(crowd)));
+    };
+    let form = forms().find(|form| form.id == *id);
+    let form = form.context("no such form")?;
+    Ok(tried(case, &form)?.map(Outcome::Tried))
 }
 
 /// The robot of a case with exact parts.
@@ -129,15 +133,6 @@ fn measured(case: &Case, exact: &Setup, hidden: &Hidden) -> Result<(Setup, Simul
     let mut dataset = run.dataset.clone();
     dataset.robot.hypotheses.clear();
     Ok((setup, run, dataset))
-}
-
-fn diagnosed(dataset: &Dataset) -> Result<Diagnosed> {
-    let dataset = Arc::new(dataset.clone());
-    Ok(diagnose_dataset(
-        dataset,
-        (DiagnosisOptions::default().alpha, TIME_LIMIT_S),
-        &mut |_| Control::Continue,
-    )?)
 }
 
 fn with_files(dataset: &Dataset, files: &[Hypothesis]) -> Result<Dataset> {
@@ -164,9 +159,8 @@ fn tried(case: &Case, form: &Form) -> Result<Option<Tried>> {
         return Ok(None);
     };
     on.prepare(&mut exact)?;
-    let mut rng = ChaCha8Rng::seed_from_u64(case.seed);
-    rng.set_stream(STREAM);
-    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    let mut rng = stream(case.seed, STREAM);
+    let sign = random_sign(&mut rng);
     let phase = rng.random_range(0.0..std::f64::consts::TAU);
     let hidden = |size: f64| on.hidden(sign * size, phase);
     let at = |size: f64| -> Result<f64> {
@@ -184,26 +178,37 @@ fn tried(case: &Case, form: &Form) -> Result<Option<Tried>> {
     let clean = without_hypotheses(&exact.without_noise(&hidden)?);
     let (setup, run, dataset) = measured(case, &exact, &hidden)?;
 
-    let started = Started::now();
-    let before = diagnosed(&dataset)?;
     let mut tried = Tried {
         noncentrality: at(size)?,
+        ..without_file(form, &on, (&setup, &run), (&clean, &dataset))?
+    };
+    if form.origin() != Origin::Grammar {
+        beside(case, form, &on, (&clean, &dataset), &mut tried)?;
+    }
+    Ok(Some(tried))
+}
+
+/// What is found without a file.
+fn without_file(
+    form: &Form,
+    on: &OnRobot,
+    (setup, run): (&Setup, &Simulated),
+    (clean, dataset): (&Dataset, &Dataset),
+) -> Result<Tried> {
+    let before = asked(dataset.clone())?;
+    let mut tried = Tried {
         named: names(&before),
         is_unexplained: !unexplained(&before).is_empty(),
         ..Tried::default()
     };
     if tried.is_unexplained {
-        patterns(&before, &on, (&setup, &run), form, &mut tried)?;
+        patterns(&before, on, (setup, run), form, &mut tried)?;
     }
     if let Some(formula) = &on.in_grammar {
         let (reading, _) = form.in_grammar(&run.truth).context("in the grammar")?;
-        tried.form_is_separated = Some(form_is_separated(&clean, &on, (reading, &formula.id))?);
+        tried.form_is_separated = Some(form_is_separated(clean, on, (reading, &formula.id))?);
     }
-    if form.origin() != Origin::Grammar {
-        beside(case, form, &on, (&clean, &dataset), &mut tried)?;
-    }
-    tried.seconds = started.elapsed_s();
-    Ok(Some(tried))
+    Ok(tried)
 }
 
 fn without_hypotheses(data: &Dataset) -> Dataset {
@@ -251,7 +256,7 @@ fn beside(
     match (on.hypothesis()?, &on.file) {
         (Some(own), _) => {
             let dataset = with_files(dataset, std::slice::from_ref(&own))?;
-            let found = diagnosed(&dataset)?;
+            let found = asked(dataset.clone())?;
             let truth = on.setting(own.id(), Default::default());
             let claims = Claim::of(&found.diagnosis.findings);
             tried.found = judge(std::slice::from_ref(&truth), &claims, &dataset.robot)
@@ -267,7 +272,7 @@ fn beside(
     let Some(wrong) = other_file(case, form)? else {
         return Ok(());
     };
-    let found = diagnosed(&with_files(dataset, std::slice::from_ref(&wrong))?)?;
+    let found = asked(with_files(dataset, std::slice::from_ref(&wrong))?)?;
     let is_wrong = |name: &String| name.split(':').next() == Some(wrong.id());
     tried.wrong_file_is_named = Some(names(&found).iter().any(is_wrong));
     Ok(())
@@ -365,25 +370,21 @@ fn crowd(case: &Case) -> Result<Crowd> {
         circumstances: Circumstances::AsStated,
     };
     let drawn = draw(&plan)?.context("nothing drawn")?;
-    let (_, _, dataset) = measured(case, &exact, &drawn.case.hidden)?;
+    let (_, _, dataset) = measured(case, &exact, &drawn.hidden)?;
     let files = ten_files();
     let files = files.iter().map(|text| Hypothesis::parse(text));
     let crowded = with_files(&dataset, &files.collect::<Result<Vec<_>, _>>()?)?;
-    let mut seconds = [0.0; 2];
-    let mut answers = [Vec::new(), Vec::new()];
-    let mut is_file_named = false;
-    for (k, dataset) in [&dataset, &crowded].into_iter().enumerate() {
-        let started = Started::now();
-        let found = diagnosed(dataset)?;
-        seconds[k] = started.elapsed_s();
-        is_file_named |= names(&found).iter().any(|name| is_of(name, &crowded.robot));
-        answers[k] = answer(&found);
-    }
+    let robot = crowded.robot.clone();
+    let [(without, without_s), (with, with_s)] =
+        [dataset, crowded].map(|dataset| timed(|| asked(dataset)));
+    let found = [without?, with?];
+    let answers = found.each_ref().map(answer);
+    let mut named = found.iter().flat_map(names);
     Ok(Crowd {
         is_same: answers[0] == answers[1],
         answers: answers.map(|answer| answer.join("; ")),
-        is_file_named,
-        seconds,
+        is_file_named: named.any(|name| is_of(&name, &robot)),
+        seconds: [without_s, with_s],
     })
 }
 

@@ -78,8 +78,6 @@ pub struct Tried {
     pub found: Option<Found>,
     /// Whether the file of another form is named.
     pub wrong_file_is_named: Option<bool>,
-    /// Processor time (s).
-    pub seconds: f64,
 }
 
 /// What ten irrelevant files change.

@@ -5,12 +5,11 @@
 mod data;
 mod models;
 
-use std::fmt::Write;
-
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
 use tautline_core::fitting::{CurveFitOptions, CurveProblem, FitStatistics, fit_curve, fit_linear};
 
+use super::markdown::table;
 pub use data::{Problem, read};
 
 /// Agreement of one fit with NIST's certified values.
@@ -57,7 +56,7 @@ const MULTILINEAR: [(&str, bool); 3] = [("NoInt1", false), ("NoInt2", false), ("
 ///
 /// # Errors
 /// If a data file cannot be read.
-pub fn table() -> Result<Vec<Row>> {
+pub fn study() -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (name, degree) in POLYNOMIAL {
         let problem = read(name)?;
@@ -175,28 +174,24 @@ fn correct_digits(relative_error: f64, certified_digits: f64) -> f64 {
 /// The table in Markdown.
 #[must_use]
 pub fn markdown(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| problem | level | start | digits of parameters | of their sd | of residual sd | iterations | converged |\n\
-         |---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let start = if row.start == 0 {
-            "linear".to_owned()
-        } else {
-            row.start.to_string()
+    let rows = rows.iter().map(|row| {
+        let start = match row.start {
+            0 => "linear".to_owned(),
+            start => start.to_string(),
         };
-        let converged = if row.converged { "yes" } else { "no" };
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "| {} | {} | {start} | {:.1} | {:.1} | {:.1} | {} | {converged} |",
+        format!(
+            "{} | {} | {start} | {:.1} | {:.1} | {:.1} | {} | {}",
             row.problem,
             row.level,
             row.parameter_digits,
             row.sd_digits,
             row.residual_sd_digits,
             row.iterations,
-        );
-    }
-    text
+            if row.converged { "yes" } else { "no" },
+        )
+    });
+    table(
+        "problem | level | start | digits of parameters | of their sd | of residual sd | iterations | converged",
+        rows,
+    )
 }

@@ -2,80 +2,108 @@
 
 mod robot;
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::time::Instant;
+use std::ops::Range;
 
 use anyhow::{Context, Result};
-use tautline_core::diagnosis::{Diagnosis, DiagnosisOptions, Verdict, diagnose};
-use tautline_core::effect::{EffectRequest, EffectSetting};
-use tautline_core::estimation::{Control, ParameterId, Problem};
+use serde::{Deserialize, Serialize};
+use tautline_core::diagnosis::Verdict;
+use tautline_core::effect::EffectRequest;
+use tautline_core::estimation::{ParameterId, Problem};
 use tautline_core::measurement::Dataset;
-use tautline_core::robot::{PartTolerances, Robot, presets};
+use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{SimulationOptions, TensionRange, Workspace, simulate};
 
-use super::hidden::solved;
+use super::counting::{count, median, total};
+use super::markdown::Table;
+use super::simulated::{diagnosed, preset, setting, solved};
+use super::study::Study;
 use robot::{Kind, RandomRobot, random_robot};
 
+/// Seed of the first random robot.
+pub const FIRST_SEED: u64 = 48_000;
 /// Numbers of poses of the random robots, in turn.
 const POSES: [usize; 5] = [20, 30, 40, 50, 60];
 
-/// What is said about the data sets of one row.
-#[derive(Debug, Clone, Default)]
-pub struct Row {
-    sets: usize,
-    with_finding: usize,
-    with_name: usize,
-    /// Data sets whose model is rejected although its residuals are as large as often as not.
-    contradicted: usize,
-    seconds: Vec<f64>,
+/// Clean data of the random robots of these seeds: every second one is exact, the parts of the others are within typical tolerances.
+/// Robots that cannot be held in their workspace are left out.
+#[derive(Debug)]
+pub struct CleanRobots(pub Range<u64>);
+
+/// What is said about a robot without a fault.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Said {
+    kind: Kind,
+    /// Whether the cables are soft, and whether there are force sensors.
+    groups: [String; 2],
+    has_finding: bool,
+    has_name: bool,
+    /// Whether the model is rejected although its residuals are as large as often as not.
+    is_contradicted: bool,
+    seconds: f64,
 }
 
-impl Row {
-    fn add(&mut self, diagnosis: &Diagnosis, seconds: f64) {
-        self.sets += 1;
-        self.with_finding += usize::from(!diagnosis.findings.is_empty());
-        let mut findings = diagnosis.findings.iter();
-        self.with_name += usize::from(findings.any(|f| f.verdict() == Verdict::Named));
-        let is_usual = diagnosis.base.global.p_value > 0.5;
-        self.contradicted += usize::from(is_usual && !diagnosis.base.adequate);
-        self.seconds.push(seconds);
+impl Study for CleanRobots {
+    type Case = u64;
+    type Outcome = Said;
+
+    fn cases(&self) -> Result<Vec<u64>> {
+        Ok(self.0.clone().collect())
     }
-}
 
-/// Kind and whether the cables are soft, or whether there are force sensors.
-type Group = (Kind, &'static str);
-
-/// Diagnoses clean data of so many random robots: every second one is exact, the parts of the others are within typical
-/// tolerances. Robots that cannot be held in their workspace are left out.
-///
-/// # Errors
-/// If a diagnosis fails.
-pub fn clean(robots: usize, first_seed: u64) -> Result<BTreeMap<Group, Row>> {
-    let mut rows: BTreeMap<Group, Row> = BTreeMap::new();
-    for seed in first_seed..first_seed + robots as u64 {
-        let random = random_robot(seed);
-        let Some(dataset) = clean_data(&random, seed) else {
-            continue;
+    /// What is said goes to standard error.
+    fn run(&self, seed: &u64) -> Result<Option<Said>> {
+        let random = random_robot(*seed);
+        let Some(dataset) = clean_data(&random, *seed) else {
+            return Ok(None);
         };
         let (diagnosis, seconds) = diagnosed(&dataset)?;
-        let softness = if random.is_soft { "soft" } else { "stiff" };
-        let has_forces = dataset.robot.has_force_sensors();
-        let sensors = if has_forces {
-            "with forces"
-        } else {
-            "without forces"
-        };
-        for group in [softness, sensors] {
-            let row = rows.entry((random.kind, group)).or_default();
-            row.add(&diagnosis, seconds);
-        }
         if !diagnosis.findings.is_empty() {
             let said: Vec<_> = diagnosis.findings.iter().map(|f| &f.sentence).collect();
             eprintln!("seed {seed}, {}: {said:?}", random.kind.name());
         }
+        let softness = if random.is_soft { "soft" } else { "stiff" };
+        let has_forces = dataset.robot.has_force_sensors();
+        let with = if has_forces { "with" } else { "without" };
+        let mut findings = diagnosis.findings.iter();
+        Ok(Some(Said {
+            kind: random.kind,
+            groups: [softness.to_owned(), format!("{with} forces")],
+            has_finding: !diagnosis.findings.is_empty(),
+            has_name: findings.any(|f| f.verdict() == Verdict::Named),
+            is_contradicted: diagnosis.base.global.p_value > 0.5 && !diagnosis.base.adequate,
+            seconds,
+        }))
     }
-    Ok(rows)
+
+    fn table(&self, outcomes: &[(u64, Said)]) -> Result<String> {
+        let mut table = Table::new(
+            "platform | robots | data sets | with a finding | with a name | rejected though usual | median s",
+        );
+        let mut line = |name: &str, group: &str, all: &[&Said]| {
+            let with_finding = count(all, |one| one.has_finding);
+            let share = 100.0 * with_finding as f64 / all.len().max(1) as f64;
+            table.row(format_args!(
+                "{name} | {group} | {} | {with_finding}: {share:.1} % | {} | {} | {:.2}",
+                all.len(),
+                count(all, |one| one.has_name),
+                count(all, |one| one.is_contradicted),
+                median(all.iter().map(|one| one.seconds))
+            ));
+        };
+        let all: Vec<&Said> = outcomes.iter().map(|(_, said)| said).collect();
+        for kind in Kind::ALL {
+            for group in ["soft", "stiff", "with forces", "without forces"] {
+                let is_in =
+                    |one: &&&Said| one.kind == kind && one.groups.iter().any(|g| g == group);
+                let of: Vec<&Said> = all.iter().filter(is_in).copied().collect();
+                if !of.is_empty() {
+                    line(kind.name(), group, &of);
+                }
+            }
+        }
+        line("all", "", &all);
+        Ok(table.text())
+    }
 }
 
 fn clean_data(random: &RandomRobot, seed: u64) -> Option<Dataset> {
@@ -89,118 +117,115 @@ fn clean_data(random: &RandomRobot, seed: u64) -> Option<Dataset> {
     Some(simulate(&robot, &options).ok()?.dataset)
 }
 
-fn diagnosed(dataset: &Dataset) -> Result<(Diagnosis, f64)> {
-    let begun = Instant::now();
-    let options = DiagnosisOptions::default();
-    let diagnosis = diagnose(dataset, &options, &mut |_| Control::Continue)?;
-    Ok((diagnosis, begun.elapsed().as_secs_f64()))
-}
-
-fn median(seconds: &[f64]) -> f64 {
-    let mut sorted = seconds.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// The table of clean robots.
-#[must_use]
-pub fn clean_markdown(rows: &BTreeMap<Group, Row>) -> String {
-    let mut table = "| platform | robots | data sets | with a finding | with a name | rejected though usual | median s |\n|---|---|---|---|---|---|---|\n".to_owned();
-    let mut line = |name: &str, group: &str, row: &Row| {
-        let share = 100.0 * row.with_finding as f64 / row.sets.max(1) as f64;
-        let _ = writeln!(
-            table,
-            "| {name} | {group} | {} | {}: {share:.1} % | {} | {} | {:.2} |",
-            row.sets,
-            row.with_finding,
-            row.with_name,
-            row.contradicted,
-            median(&row.seconds)
-        );
-    };
-    let mut all = Row::default();
-    for ((kind, group), row) in rows {
-        line(kind.name(), group, row);
-        // Each data set is in two rows.
-        if ["soft", "stiff"].contains(group) {
-            all.sets += row.sets;
-            all.with_finding += row.with_finding;
-            all.with_name += row.with_name;
-            all.contradicted += row.contradicted;
-            all.seconds.extend(&row.seconds);
-        }
-    }
-    line("all", "", &all);
-    table
-}
-
 /// Robots of the table over the numbers of poses.
 const ROBOTS: [&str; 5] = ["mini", "hall", "suspended", "planar", "point"];
 /// Sizes of the fault, in standard deviations of its estimate.
 const SIZES: [f64; 5] = [3.0, 10.0, 30.0, 100.0, 300.0];
+/// Numbers of poses where none is given.
+pub const NUMBERS_OF_POSES: [usize; 5] = [40, 160, 400, 1000, 2000];
 
-/// What is said about one number of poses and size of the fault.
-#[derive(Debug, Clone, Default)]
-pub struct Answers {
-    sets: usize,
+/// A wrong scale of one winch of five robots, exact and well kept, at each number of poses.
+#[derive(Debug)]
+pub struct OverPoses(pub Vec<usize>);
+
+/// Robot, number of poses, and whether its parts have typical tolerances.
+type PosesCase = (usize, usize, bool);
+
+/// What is said about one size of the fault.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Answer {
     named: usize,
     wrong: usize,
-    seconds: Vec<f64>,
+    seconds: f64,
 }
 
-/// Diagnoses a wrong scale of one winch of five robots, exact and well kept, at each number of poses.
-///
-/// # Errors
-/// If a simulation or diagnosis fails.
-pub fn over_poses(poses: &[usize], seed: u64) -> Result<BTreeMap<(usize, usize), Answers>> {
-    let mut rows: BTreeMap<(usize, usize), Answers> = BTreeMap::new();
-    for (name, poses) in ROBOTS
-        .iter()
-        .flat_map(|name| poses.iter().map(move |n| (name, *n)))
-    {
-        for tolerances in [PartTolerances::exact(), PartTolerances::typical()] {
-            let (mut robot, workspace, tension) = robot(name)?;
-            robot.tolerances = Some(tolerances);
+impl Study for OverPoses {
+    type Case = PosesCase;
+    /// For each size of the fault.
+    type Outcome = Vec<Answer>;
+
+    fn cases(&self) -> Result<Vec<PosesCase>> {
+        let kinds = [false, true];
+        let of_robot = |robot| {
+            let numbers = self.0.iter();
+            numbers.flat_map(move |poses| kinds.map(|is_typical| (robot, *poses, is_typical)))
+        };
+        Ok((0..ROBOTS.len()).flat_map(of_robot).collect())
+    }
+
+    fn run(&self, (name, poses, is_typical): &PosesCase) -> Result<Option<Vec<Answer>>> {
+        let name = ROBOTS[*name];
+        let (mut robot, workspace, tension) = robot(name)?;
+        robot.tolerances = Some(match is_typical {
+            true => PartTolerances::typical(),
+            false => PartTolerances::exact(),
+        });
+        let options = SimulationOptions {
+            workspace: Some(workspace),
+            tension: Some(tension),
+            ..SimulationOptions::new(*poses, FIRST_SEED)
+        };
+        let sd = sd_of_scale(&simulate(&robot, &options)?.dataset)?;
+        let answer = |size: &f64| -> Result<Answer> {
+            let cable = robot.cables[1].name.as_str();
             let options = SimulationOptions {
-                workspace: Some(workspace),
-                tension: Some(tension),
-                ..SimulationOptions::new(poses, seed)
+                effects: vec![setting("winch_scale", &[cable], "scale", size * sd)],
+                ..options.clone()
             };
-            let sd = sd_of_scale(&simulate(&robot, &options)?.dataset)?;
+            judged(
+                &simulate(&robot, &options)?.dataset,
+                &format!("{name}, {poses} poses, {size} standard deviations"),
+            )
+        };
+        SIZES.iter().map(answer).collect::<Result<_>>().map(Some)
+    }
+
+    fn table(&self, outcomes: &[(PosesCase, Vec<Answer>)]) -> Result<String> {
+        let mut table = Table::new(
+            "poses | fault, standard deviations | data sets | named | wrong names | median s",
+        );
+        let mut numbers = self.0.clone();
+        numbers.sort_unstable();
+        for poses in numbers {
             for (index, size) in SIZES.iter().enumerate() {
-                let options = SimulationOptions {
-                    effects: vec![scale(&robot, size * sd)],
-                    ..options.clone()
-                };
-                let data = simulate(&robot, &options)?.dataset;
-                let (diagnosis, seconds) = diagnosed(&data)?;
-                let row = rows.entry((poses, index)).or_default();
-                row.sets += 1;
-                row.seconds.push(seconds);
-                for finding in &diagnosis.findings {
-                    if finding.verdict() != Verdict::Named {
-                        continue;
-                    }
-                    let is_right = finding.cause().is_some_and(|cause| {
-                        cause.effect().id() == "winch_scale" && cause.cables() == [1]
-                    });
-                    if is_right {
-                        row.named += 1;
-                    } else {
-                        row.wrong += 1;
-                        let said = &finding.sentence;
-                        eprintln!("{name}, {poses} poses, {size} standard deviations: {said}");
-                    }
-                }
+                let of = outcomes
+                    .iter()
+                    .filter(|((_, number, _), _)| *number == poses);
+                let of: Vec<&Answer> = of.map(|(_, answers)| &answers[index]).collect();
+                table.row(format_args!(
+                    "{poses} | {size} | {} | {} | {} | {:.1}",
+                    of.len(),
+                    total::<_, usize>(&of, |one| one.named),
+                    total::<_, usize>(&of, |one| one.wrong),
+                    median(of.iter().map(|one| one.seconds))
+                ));
             }
         }
+        Ok(table.text())
     }
-    Ok(rows)
+}
+
+/// Diagnoses a data set with a fault of the second winch; wrong names go to standard error.
+fn judged(data: &Dataset, described: &str) -> Result<Answer> {
+    let (diagnosis, seconds) = diagnosed(data)?;
+    let findings = diagnosis.findings.iter();
+    let named = findings.filter(|finding| finding.verdict() == Verdict::Named);
+    let (right, wrong): (Vec<_>, Vec<_>) = named.partition(|finding| {
+        let cause = finding.cause();
+        cause.is_some_and(|cause| cause.effect().id() == "winch_scale" && cause.cables() == [1])
+    });
+    for finding in &wrong {
+        eprintln!("{described}: {}", finding.sentence);
+    }
+    Ok(Answer {
+        named: right.len(),
+        wrong: wrong.len(),
+        seconds,
+    })
 }
 
 fn robot(name: &str) -> Result<(Robot, Workspace, TensionRange)> {
-    let preset = presets::find(if name == "point" { "mini" } else { name });
-    let preset = preset.context("a preset")?;
+    let preset = preset(if name == "point" { "mini" } else { name })?;
     if name != "point" {
         return Ok((preset.robot, preset.workspace, preset.tension));
     }
@@ -212,14 +237,6 @@ fn robot(name: &str) -> Result<(Robot, Workspace, TensionRange)> {
     }
     let (workspace, tension) = (Workspace::of(&robot), TensionRange::of(&robot));
     Ok((robot, workspace, tension))
-}
-
-fn scale(robot: &Robot, size: f64) -> EffectSetting {
-    EffectSetting {
-        effect: "winch_scale".to_owned(),
-        targets: vec![robot.cables[1].name.clone()],
-        parameters: [("scale".to_owned(), size)].into(),
-    }
 }
 
 /// Standard deviation of the scale of the winch from clean data.
@@ -235,22 +252,4 @@ fn sd_of_scale(dataset: &Dataset) -> Result<f64> {
     let index = solution.parameters.iter().position(|p| is_scale(&p.id));
     let sd = solution.standard_deviation(index.context("a scale")?);
     sd.context("a scale that the readings determine")
-}
-
-/// The table over the numbers of poses.
-#[must_use]
-pub fn poses_markdown(rows: &BTreeMap<(usize, usize), Answers>) -> String {
-    let mut table = "| poses | fault, standard deviations | data sets | named | wrong names | median s |\n|---|---|---|---|---|---|\n".to_owned();
-    for ((poses, index), row) in rows {
-        let _ = writeln!(
-            table,
-            "| {poses} | {} | {} | {} | {} | {:.1} |",
-            SIZES[*index],
-            row.sets,
-            row.named,
-            row.wrong,
-            median(&row.seconds)
-        );
-    }
-    table
 }

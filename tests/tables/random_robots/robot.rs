@@ -2,6 +2,7 @@
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use tautline_core::geometry::{Coordinate, Pose, Vec3};
 use tautline_core::robot::{
     Cable, CableMaterial, ForceSensor, Home, Inclinometer, Laser, PerAxis, Platform, Pulley, Robot,
@@ -9,8 +10,10 @@ use tautline_core::robot::{
 };
 use tautline_core::simulation::{TensionRange, Workspace};
 
+use crate::tables::simulated::log_uniform;
+
 /// How a platform moves and how many cables hold it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// A point in a vertical plane that hangs on two cables, as the pen of a plotter.
     Plotter,
@@ -90,10 +93,6 @@ pub struct RandomRobot {
 /// Strain at the mean tension from which cables are soft.
 const SOFT: f64 = 3e-4;
 
-fn log_uniform(rng: &mut impl Rng, [low, high]: [f64; 2]) -> f64 {
-    low * (high / low).powf(rng.random::<f64>())
-}
-
 /// The robot of a seed.
 #[must_use]
 pub fn random_robot(seed: u64) -> RandomRobot {
@@ -102,17 +101,17 @@ pub fn random_robot(seed: u64) -> RandomRobot {
     let kind = Kind::ALL[rng.random_range(0..Kind::ALL.len())];
     let [fewest, most] = kind.cables();
     let count = rng.random_range(fewest..=most);
-    let size_m = log_uniform(rng, [0.5, 100.0]);
-    let mass_kg = log_uniform(rng, [0.3, 3.0]) * (1.0 + size_m);
+    let size_m = log_uniform([0.5, 100.0], rng);
+    let mass_kg = log_uniform([0.3, 3.0], rng) * (1.0 + size_m);
     let weight_n = mass_kg * 9.80665;
     let pretension = if kind == Kind::Plotter {
         0.7
     } else {
-        log_uniform(rng, [0.5, 3.0])
+        log_uniform([0.5, 3.0], rng)
     };
     let reference_n = pretension * weight_n;
-    let strain = log_uniform(rng, [2e-5, 2e-3]);
-    let length_sd_m = log_uniform(rng, [3e-5, 3e-4]) * size_m;
+    let strain = log_uniform([2e-5, 2e-3], rng);
+    let length_sd_m = log_uniform([3e-5, 3e-4], rng) * size_m;
     let has_forces = rng.random_bool(0.6);
     let sags = has_forces && rng.random_bool(0.3);
     let radius_m = if rng.random_bool(0.3) {
@@ -129,7 +128,7 @@ pub fn random_robot(seed: u64) -> RandomRobot {
     let force_sensor = has_forces.then_some(ForceSensor {
         tension_gain: if rng.random_bool(0.5) { 1.0 } else { 2.0 },
         bias_n: 0.0,
-        tension_sd_n: log_uniform(rng, [2e-3, 4e-2]) * reference_n,
+        tension_sd_n: log_uniform([2e-3, 4e-2], rng) * reference_n,
     });
     let has_swivels = radius_m > 0.0 && !kind.is_in_plane() && rng.random_bool(0.2);
     let cable = |(index, (entry, anchor)): (usize, ([f64; 3], [f64; 3]))| Cable {

@@ -130,8 +130,8 @@ pub(super) fn pose_table(
 ) {
     let titles = ["Current", title, "±"].into_iter();
     let titles = titles.chain(repeated.map(|_| "Repeatability"));
-    let columns = titles.map(|title| Column::number(title, ""));
-    let columns = [Column::words("Home pose")].into_iter().chain(columns);
+    let columns = titles.map(|title| TableColumn::number(title, ""));
+    let columns = [TableColumn::words("Home pose")].into_iter().chain(columns);
     let now = now.map(|home| coordinates(&home.pose()));
     let numbers = [now, Some(coordinates(new)), Some(sd)];
     let names = ["x (mm)", "y (mm)", "z (mm)", "rx (°)", "ry (°)", "rz (°)"];

@@ -1,6 +1,5 @@
 //! The window while a simulated robot measures: its frames, and its memory over an hour of the robot's time.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -13,7 +12,9 @@ use tautline_session::{PlannedPose, Session, Simulator, Timestamp, write_session
 
 use super::super::Window;
 use super::scene::{Scene, frames};
-use super::{SIZE, memory_mib, simulated};
+use super::{SIZE, simulated};
+use crate::support::process::{IN_USE, memory_mib};
+use crate::tables::markdown::table;
 
 /// Poses that are measured before the frames are timed.
 const MEASURED: usize = 1000;
@@ -99,7 +100,7 @@ pub fn scene(folder: &Path) -> Result<Scene> {
         turning,
         still,
         idle: None,
-        memory_mib: memory_mib(window.id())?,
+        memory_mib: memory_mib(window.id(), IN_USE)?,
     })
 }
 
@@ -129,7 +130,7 @@ pub fn hour(folder: &Path) -> Result<Vec<Moment>> {
             moments.push(Moment {
                 minutes,
                 poses,
-                memory_mib: memory_mib(window.id())?,
+                memory_mib: memory_mib(window.id(), IN_USE)?,
                 kept_kb: kept_kb(&kept)?,
             });
         }
@@ -174,17 +175,17 @@ fn kept_kb(kept: &Path) -> Result<u64> {
 
 /// The table of the hour.
 pub fn markdown(moments: &[Moment]) -> String {
-    let mut text = format!(
-        "An hour of a simulated robot's time, {SPEED} times as fast, the window open at the phase Measuring.\n\n\
-         | robot's time, min | poses measured | memory, MiB | kept for recovery, kB |\n|---|---|---|---|\n"
-    );
-    for moment in moments {
-        // Writing to a string does not fail.
-        let _ = writeln!(
-            text,
-            "| {:.0} | {} | {:.1} | {} |",
+    let rows = moments.iter().map(|moment| {
+        format!(
+            "{:.0} | {} | {:.1} | {}",
             moment.minutes, moment.poses, moment.memory_mib, moment.kept_kb
-        );
-    }
-    text
+        )
+    });
+    let table = table(
+        "robot's time, min | poses measured | memory, MiB | kept for recovery, kB",
+        rows,
+    );
+    format!(
+        "An hour of a simulated robot's time, {SPEED} times as fast, the window open at the phase Measuring.\n\n{table}"
+    )
 }

@@ -14,7 +14,7 @@ use tautline_core::simulation::simulate;
 use tautline_session::{PhaseData, write_dataset};
 
 use super::{Window, keys};
-use crate::tables::truth::preset_options;
+use crate::tables::simulated::preset_options;
 
 const SIZE: [u32; 2] = [1600, 1000];
 /// Poses; 11,111 of MINI have 100,000 readings: eight lengths and a distance each.
@@ -121,11 +121,4 @@ fn opening(folder: &Path, name: &str) -> Result<f64> {
     window.display.strike(&[], keys::RETURN)?;
     window.named("Canvas", "3D view")?;
     Ok(begin.elapsed().as_secs_f64())
-}
-
-fn memory_mib(id: u32) -> Result<f64> {
-    let text = std::fs::read_to_string(format!("/proc/{id}/status"))?;
-    let line = text.lines().find(|line| line.starts_with("VmRSS"));
-    let size = line.and_then(|line| line.split_whitespace().nth(1));
-    Ok(size.context("VmRSS")?.parse::<f64>()? / 1024.0)
 }

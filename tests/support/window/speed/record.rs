@@ -8,9 +8,10 @@ use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Session, Timestamp, write_session};
 
 use super::super::Window;
+use super::SIZE;
 use super::scene::{Scene, frames};
-use super::{SIZE, memory_mib};
-use crate::tables::truth::preset_options;
+use crate::support::process::{IN_USE, memory_mib};
+use crate::tables::simulated::preset_options;
 
 /// Sessions of the record, and poses of each.
 const SESSIONS: u16 = 100;
@@ -56,6 +57,6 @@ pub fn scene(folder: &Path) -> Result<Scene> {
         turning,
         still,
         idle: None,
-        memory_mib: memory_mib(window.id())?,
+        memory_mib: memory_mib(window.id(), IN_USE)?,
     })
 }

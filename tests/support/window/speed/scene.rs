@@ -1,21 +1,20 @@
 //! Processor time of a still and a moving picture, with and without a task in the background.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::super::Window;
-use super::{SIZE, dataset, memory_mib};
+use super::{SIZE, dataset};
+use crate::support::process::{IN_USE, memory_mib, processor_s, thread_s};
+use crate::tables::markdown::table;
 
 /// Duration of a turn of the robot, number of turns, and idle time.
 const TURNING: Duration = Duration::from_secs(4);
 const TURNS: usize = 3;
 const IDLE: Duration = Duration::from_secs(30);
-/// Ticks of the processor time in `/proc` per second, under Linux always.
-const TICKS_PER_S: f64 = 100.0;
 
 /// Costs of a scene.
 pub struct Scene {
@@ -59,7 +58,7 @@ pub fn of_poses(folder: &Path, poses: usize) -> Result<Scene> {
         turning,
         still,
         idle: Some(idle),
-        memory_mib: memory_mib(window.id())?,
+        memory_mib: memory_mib(window.id(), IN_USE)?,
     })
 }
 
@@ -91,7 +90,7 @@ fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<Fram
         window.display.button(true)?;
     }
     let (before, begin) = (window.shown()?.0, Instant::now());
-    let own_before_s = own_s(window.id())?;
+    let own_before_s = thread_s(&format!("{0}/task/{0}", window.id()))?;
     let mut step = 0_i16;
     while begin.elapsed() < TURNING {
         step = (step + 1) % 200;
@@ -103,7 +102,7 @@ fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<Fram
     }
     let seconds = begin.elapsed().as_secs_f64();
     let frames = (window.shown()?.0 - before).max(1) as f64;
-    let own_s = own_s(window.id())? - own_before_s;
+    let own_s = thread_s(&format!("{0}/task/{0}", window.id()))? - own_before_s;
     if pressed {
         window.display.button(false)?;
     }
@@ -113,42 +112,23 @@ fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<Fram
     })
 }
 
-/// Processor time that the thread of the window has taken (s).
-fn own_s(id: u32) -> Result<f64> {
-    let text = std::fs::read_to_string(format!("/proc/{id}/task/{id}/schedstat"))?;
-    let nanoseconds = text.split_whitespace().next().context("a time")?;
-    Ok(nanoseconds.parse::<f64>()? / 1e9)
-}
-
-/// Processor time that a process has taken (s).
-fn processor_s(id: u32) -> Result<f64> {
-    let text = std::fs::read_to_string(format!("/proc/{id}/stat"))?;
-    // After the name in brackets: state is the third entry, user and system time are the 14th and 15th.
-    let (_, rest) = text.rsplit_once(')').context("a name in brackets")?;
-    let ticks = rest.split_whitespace().skip(11).take(2).map(str::parse);
-    let ticks: Vec<f64> = ticks.collect::<Result<_, _>>()?;
-    Ok(ticks.iter().sum::<f64>() / TICKS_PER_S)
-}
-
 /// The table of scenes.
 pub fn markdown(scenes: &[Scene]) -> String {
-    let mut text = "| scene | ms per frame while turning | of these the window's own thread | ms per frame, 3D unchanged | of these the \
-                    window's own thread | idle, % of a core | memory, MiB |\n|---|---|---|---|---|---|---|\n"
-        .to_owned();
-    for scene in scenes {
+    let rows = scenes.iter().map(|scene| {
         let idle = scene.idle.map(|share| format!("{:.2}", share * 1e2));
-        // Writing to a string does not fail.
-        let _ = writeln!(
-            text,
-            "| {} | {:.1} | {:.1} | {:.1} | {:.1} | {} | {:.0} |",
+        format!(
+            "{} | {:.1} | {:.1} | {:.1} | {:.1} | {} | {:.0}",
             scene.name,
             scene.turning.whole_s * 1e3,
             scene.turning.own_s * 1e3,
             scene.still.whole_s * 1e3,
             scene.still.own_s * 1e3,
-            idle.unwrap_or_else(|| "-".to_owned()),
+            idle.as_deref().unwrap_or("-"),
             scene.memory_mib
-        );
-    }
-    text
+        )
+    });
+    table(
+        "scene | ms per frame while turning | of these the window's own thread | ms per frame, 3D unchanged | of these the window's own thread | idle, % of a core | memory, MiB",
+        rows,
+    )
 }

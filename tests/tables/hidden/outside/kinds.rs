@@ -10,154 +10,111 @@ use super::{Outside, Scene, add_length, add_tension};
 
 /// All effects outside the catalogue.
 pub static OUTSIDE: [Outside; 16] = [
-    Outside {
-        id: "curved_target",
-        title: "the laser's target is no plane: error quadratic in the lateral position",
-        applies: has_laser,
-        unit: 1e-3,
-        change: curved_target,
-    },
-    Outside {
-        id: "laser_incidence",
-        title: "the laser reads wrong at slanting incidence: error with the square of the angle",
-        applies: has_laser,
-        unit: 0.1,
-        change: laser_incidence,
-    },
-    Outside {
-        id: "laser_hum",
-        title: "the laser's error swings in time",
-        applies: has_laser,
-        unit: 1e-3,
-        change: |scene, size, data| {
-            let wave = waves(data, 350.0, scene.phase);
-            (data.laser_m.iter_mut().zip(wave)).for_each(|(d, w)| *d += size * w);
-        },
-    },
-    Outside {
-        id: "thermal_cycle",
-        title: "the zero of an encoder swings in time, as with an air conditioner",
-        applies: |_| true,
-        unit: 1e-3,
-        change: |scene, size, data| {
-            let wave = waves(data, 400.0, scene.phase);
-            one_cable_length(scene, data, |row| size * wave[row]);
-        },
-    },
-    Outside {
-        id: "gear_ripple",
-        title: "a gear's teeth: an error periodic in 0.297 of a drum revolution",
-        applies: |robot| robot.home.is_some(),
-        unit: 1e-3,
-        change: gear_ripple,
-    },
-    Outside {
-        id: "guide_eyelet",
-        title: "a guide lengthens the cable with the third harmonic of the swivel angle",
-        applies: |_| true,
-        unit: 1e-3,
-        change: guide_eyelet,
-    },
-    Outside {
-        id: "soft_bracket",
-        title: "a platform's bracket bends sideways with tension",
-        applies: has_forces,
-        unit: 1e-3,
-        change: soft_bracket,
-    },
-    Outside {
-        id: "frame_sway",
-        title: "the whole frame sways sideways, ever more",
-        applies: |_| true,
-        unit: 1e-3,
-        change: frame_sway,
-    },
-    Outside {
-        id: "obstacle",
-        title: "a cable rubs at an obstacle in one corner of the workspace",
-        applies: |_| true,
-        unit: 1e-3,
-        change: obstacle,
-    },
-    Outside {
-        id: "force_square",
-        title: "a force sensor with a quadratic term",
-        applies: has_forces,
-        unit: 1.0,
-        change: |scene, size, data| {
-            let loads = relative_loads(scene, data, scene.cable);
-            one_cable_tension(scene, data, |row| size * loads[row].powi(2));
-        },
-    },
-    Outside {
-        id: "force_saturation",
-        title: "a force sensor that saturates above the mean load",
-        applies: has_forces,
-        unit: 1.0,
-        change: |scene, size, data| {
-            let loads = relative_loads(scene, data, scene.cable);
-            one_cable_tension(scene, data, |row| -size * loads[row].max(0.0));
-        },
-    },
-    Outside {
-        id: "force_wander",
-        title: "the zero of all force amplifiers wanders in time",
-        applies: has_forces,
-        unit: 1.0,
-        change: |scene, size, data| {
-            let wave = waves(data, 700.0, scene.phase);
-            add_tension(scene, data, |row, _| size * wave[row]);
-        },
-    },
-    Outside {
-        id: "force_crosstalk",
-        title: "a force channel picks up the signal of the next one",
-        applies: has_forces,
-        unit: 1.0,
-        change: |scene, size, data| {
-            let next = (scene.cable + 1) % scene.truth.cable_count();
-            let loads = relative_loads(scene, data, next);
-            one_cable_tension(scene, data, |row| size * loads[row]);
-        },
-    },
-    Outside {
-        id: "loaded_compass",
-        title: "the yaw reading turns with the tension of a cable",
-        applies: |robot| robot.inclinometer.is_some(),
-        unit: 1e-2,
-        change: |scene, size, data| {
+    // The laser's target is no plane: error quadratic in the lateral position.
+    outside("curved_target", has_laser, 1e-3, curved_target),
+    // The laser reads wrong at slanting incidence: error with the square of the angle.
+    outside("laser_incidence", has_laser, 0.1, laser_incidence),
+    // The laser's error swings in time.
+    outside("laser_hum", has_laser, 1e-3, |scene, size, data| {
+        let wave = waves(data, 350.0, scene.phase);
+        (data.laser_m.iter_mut().zip(wave)).for_each(|(d, w)| *d += size * w);
+    }),
+    // The zero of an encoder swings in time, as with an air conditioner.
+    outside("thermal_cycle", any_robot, 1e-3, |scene, size, data| {
+        let wave = waves(data, 400.0, scene.phase);
+        one_cable_length(scene, data, |row| size * wave[row]);
+    }),
+    // A gear's teeth: an error periodic in 0.297 of a drum revolution.
+    outside("gear_ripple", has_home, 1e-3, gear_ripple),
+    // A guide lengthens the cable with the third harmonic of the swivel angle.
+    outside("guide_eyelet", any_robot, 1e-3, guide_eyelet),
+    // A platform's bracket bends sideways with tension.
+    outside("soft_bracket", has_forces, 1e-3, soft_bracket),
+    // The whole frame sways sideways, ever more.
+    outside("frame_sway", any_robot, 1e-3, frame_sway),
+    // A cable rubs at an obstacle in one corner of the workspace.
+    outside("obstacle", any_robot, 1e-3, obstacle),
+    // A force sensor with a quadratic term.
+    outside("force_square", has_forces, 1.0, |scene, size, data| {
+        let loads = relative_loads(scene, data, scene.cable);
+        one_cable_tension(scene, data, |row| size * loads[row].powi(2));
+    }),
+    // A force sensor that saturates above the mean load.
+    outside("force_saturation", has_forces, 1.0, |scene, size, data| {
+        let loads = relative_loads(scene, data, scene.cable);
+        one_cable_tension(scene, data, |row| -size * loads[row].max(0.0));
+    }),
+    // The zero of all force amplifiers wanders in time.
+    outside("force_wander", has_forces, 1.0, |scene, size, data| {
+        let wave = waves(data, 700.0, scene.phase);
+        add_tension(scene, data, |row, _| size * wave[row]);
+    }),
+    // A force channel picks up the signal of the next one.
+    outside("force_crosstalk", has_forces, 1.0, |scene, size, data| {
+        let next = (scene.cable + 1) % scene.truth.cable_count();
+        let loads = relative_loads(scene, data, next);
+        one_cable_tension(scene, data, |row| size * loads[row]);
+    }),
+    // The yaw reading turns with the tension of a cable.
+    outside(
+        "loaded_compass",
+        |robot| robot.inclinometer.is_some(),
+        1e-2,
+        |scene, size, data| {
             let loads = relative_loads(scene, data, scene.cable);
             for (angles, load) in data.inclination_rad.iter_mut().zip(loads) {
                 angles[2] += size * load;
             }
         },
-    },
-    Outside {
-        id: "refraction",
-        title: "the tracker's beam bends: height error quadratic in the lateral position",
-        applies: |robot| robot.tracker.is_some(),
-        unit: 1e-3,
-        change: |scene, size, data| {
+    ),
+    // The tracker's beam bends: height error quadratic in the lateral position.
+    outside(
+        "refraction",
+        |robot| robot.tracker.is_some(),
+        1e-3,
+        |scene, size, data| {
             let places = scene.relative_positions(data);
             for (position, place) in data.tracked_position_m.iter_mut().zip(places) {
                 position[2] += size * place.dot(&scene.direction).powi(2);
             }
         },
-    },
-    Outside {
-        id: "swivel_wander",
-        title: "the zero of a swivel sensor wanders in time",
-        applies: |robot| robot.cables.iter().all(|c| c.pulley.swivel_zero.is_some()),
-        unit: 1e-2,
-        change: |scene, size, data| {
+    ),
+    // The zero of a swivel sensor wanders in time.
+    outside(
+        "swivel_wander",
+        |robot| robot.cables.iter().all(|c| c.pulley.swivel_zero.is_some()),
+        1e-2,
+        |scene, size, data| {
             let wave = waves(data, 500.0, scene.phase);
             for row in 0..data.swivel_rad.rows() {
                 let angle = data.swivel_rad.get(row, scene.cable) + size * wave[row];
                 data.swivel_rad.set(row, scene.cable, angle);
             }
         },
-    },
+    ),
 ];
+
+const fn outside(
+    id: &'static str,
+    applies: fn(&Robot) -> bool,
+    unit: f64,
+    change: fn(&Scene, f64, &mut Measurements),
+) -> Outside {
+    Outside {
+        id,
+        applies,
+        unit,
+        change,
+    }
+}
+
+fn any_robot(_: &Robot) -> bool {
+    true
+}
+
+fn has_home(robot: &Robot) -> bool {
+    robot.home.is_some()
+}
 
 fn has_laser(robot: &Robot) -> bool {
     robot.laser.is_some()
@@ -175,24 +132,14 @@ fn waves(data: &Measurements, period_s: f64, phase: f64) -> Vec<f64> {
 
 fn one_cable_length(scene: &Scene, data: &mut Measurements, error: impl Fn(usize) -> f64) {
     let cable = scene.cable;
-    add_length(
-        scene,
-        data,
-        |row, index| {
-            if index == cable { error(row) } else { 0.0 }
-        },
-    );
+    let of_one = |row, index| if index == cable { error(row) } else { 0.0 };
+    add_length(scene, data, of_one);
 }
 
 fn one_cable_tension(scene: &Scene, data: &mut Measurements, error: impl Fn(usize) -> f64) {
     let cable = scene.cable;
-    add_tension(
-        scene,
-        data,
-        |row, index| {
-            if index == cable { error(row) } else { 0.0 }
-        },
-    );
+    let of_one = |row, index| if index == cable { error(row) } else { 0.0 };
+    add_tension(scene, data, of_one);
 }
 
 /// Standardised tension of a cable, by row.

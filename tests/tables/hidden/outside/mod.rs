@@ -4,8 +4,7 @@
 mod kinds;
 
 use anyhow::Result;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use tautline_core::estimation::Problem;
 use tautline_core::geometry::Vec3;
 use tautline_core::kinematics::{CableState, inverse_kinematics};
@@ -14,7 +13,7 @@ use tautline_core::robot::Robot;
 use tautline_core::simulation::Simulated;
 
 use super::Setup;
-use super::visibility::solved;
+use crate::tables::simulated::{solved, stream};
 
 pub use kinds::OUTSIDE;
 
@@ -40,8 +39,6 @@ pub(super) mod by_id {
 pub struct Outside {
     /// Identifier in tables and commands.
     pub id: &'static str,
-    /// Description for the reader.
-    pub title: &'static str,
     /// Whether the robot has the readings that the effect changes.
     pub applies: fn(&Robot) -> bool,
     /// Start value of the search for a size.
@@ -79,8 +76,7 @@ impl Scene {
     /// Draws a scene from a seed.
     #[must_use]
     pub fn new(truth: &Robot, seed: u64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(2);
+        let mut rng = stream(seed, 2);
         let phase = std::f64::consts::PI * rng.random_range(-1.0..1.0);
         let mut direction = Vec3::new(f64::cos(phase), f64::sin(phase), 0.0);
         if truth.platform.free.len() < 6 {

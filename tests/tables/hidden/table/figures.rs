@@ -2,16 +2,17 @@
 
 use std::fmt;
 
+use tautline_core::diagnosis::Verdict;
+
 use super::{
     found, has_finding_without_wrong_name, is_found, is_noticed_without_wrong_name, is_outside,
     typical,
 };
-use crate::tables::hidden::interval::{binomial_tail, clopper_pearson};
+use crate::tables::counting::{Share, binomial_tail};
 use crate::tables::hidden::judge::Found;
-use crate::tables::hidden::{Circumstances, FindingRecord, Outcome, Stratum, Study, Sure, Wanted};
+use crate::tables::hidden::{Circumstances, FindingRecord, Outcome, Stratum, Study, Wanted};
+use crate::tables::simulated::NORMAL_95;
 
-/// Half-width of a 95 % interval in standard deviations.
-pub(super) const NORMAL_95: f64 = 1.959_964;
 /// Required held-out error relative to that of the true model.
 const HELD_OUT: f64 = 1.05;
 
@@ -40,33 +41,20 @@ impl fmt::Display for Target {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// What is counted.
-    pub what: &'static str,
+    pub what: String,
     /// The count.
-    pub count: usize,
-    /// Total number.
-    pub of: usize,
+    pub share: Share,
     /// Required share, if any.
     pub target: Option<Target>,
 }
 
 impl Figure {
-    /// Share of the total number.
-    #[must_use]
-    pub fn share(&self) -> f64 {
-        self.count as f64 / self.of.max(1) as f64
-    }
-
-    /// 95 % interval of the share.
-    #[must_use]
-    pub fn interval(&self) -> [f64; 2] {
-        clopper_pearson(self.count, self.of)
-    }
-
     /// Probability of a count at least as bad if the true share just met the requirement.
     #[must_use]
     pub fn p_value(&self) -> f64 {
-        let at_least = |p: f64| binomial_tail(self.of, self.of - self.count, 1.0 - p);
-        let at_most = |p: f64| binomial_tail(self.of, self.count, p);
+        let Share { part, whole } = self.share;
+        let at_least = |p: f64| binomial_tail(whole, whole - part, 1.0 - p);
+        let at_most = |p: f64| binomial_tail(whole, part, p);
         match self.target {
             None => 1.0,
             Some(Target::AtLeast(p)) => at_least(p),
@@ -79,24 +67,8 @@ impl Figure {
 /// All figures of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
-    /// The figures in order; those without cases have `of` 0.
+    /// The figures in order; those without cases are of nothing.
     pub all: Vec<Figure>,
-}
-
-/// Counts the outcomes for which `count` holds among those for which `pick` holds.
-fn figure(
-    study: &Study,
-    (what, target): (&'static str, Option<Target>),
-    pick: impl Fn(&Outcome) -> bool,
-    count: impl Fn(&Outcome) -> bool,
-) -> Figure {
-    let picked: Vec<&Outcome> = study.outcomes.iter().filter(|o| pick(o)).collect();
-    Figure {
-        what,
-        count: picked.iter().filter(|o| count(o)).count(),
-        of: picked.len(),
-        target,
-    }
 }
 
 impl Figures {
@@ -112,276 +84,198 @@ impl Figures {
     }
 }
 
-fn just_visible(o: &Outcome) -> bool {
-    o.drawn.visible && matches!(o.plan.wanted, Wanted::One(_, Stratum::JustVisible))
+type Is = fn(&Outcome) -> bool;
+
+fn least(share: f64) -> Option<Target> {
+    Some(Target::AtLeast(share))
 }
 
-fn not_visible(o: &Outcome) -> bool {
-    !o.drawn.visible && matches!(o.plan.wanted, Wanted::One(..))
+fn most(share: f64) -> Option<Target> {
+    Some(Target::AtMost(share))
+}
+
+/// Figures of the data sets of one kind.
+struct Kind<'s> {
+    name: &'static str,
+    outcomes: Vec<&'s Outcome>,
+}
+
+impl<'s> Kind<'s> {
+    fn new(study: &'s Study, name: &'static str, is: Is) -> Self {
+        let outcomes = study.outcomes.iter().filter(|outcome| is(outcome));
+        Self {
+            name,
+            outcomes: outcomes.collect(),
+        }
+    }
+
+    fn figure(&self, what: &str, target: Option<Target>, share: Share) -> Figure {
+        Figure {
+            what: format!("{}: {what}", self.name),
+            share,
+            target,
+        }
+    }
+
+    /// Counts data sets.
+    fn sets(&self, what: &str, target: Option<Target>, is: Is) -> Figure {
+        self.figure(what, target, Share::of(self.outcomes.iter(), |o| is(o)))
+    }
+
+    /// Counts hidden effects.
+    fn effects(&self, what: &str, target: Option<Target>, is: fn(&Found) -> bool) -> Figure {
+        let found = self.outcomes.iter().flat_map(|outcome| &outcome.found);
+        self.figure(what, target, Share::of(found, is))
+    }
+}
+
+fn is_silent(o: &Outcome) -> bool {
+    o.said.is_empty()
+}
+
+fn is_named(o: &Outcome) -> bool {
+    o.found == [Found::Named]
+}
+
+fn has_wrong_name(o: &Outcome) -> bool {
+    !o.wrong_names.is_empty()
 }
 
 /// Whether a wrong effect is named and a hidden one is not found.
-fn wrong(o: &Outcome) -> bool {
-    !found(o) && !o.wrong_names.is_empty()
+fn is_other_named(o: &Outcome) -> bool {
+    !found(o) && has_wrong_name(o)
 }
 
-fn right_with_wrong_name(o: &Outcome) -> bool {
-    found(o) && !o.wrong_names.is_empty()
+fn is_first(o: &Outcome) -> bool {
+    let right = |said: &FindingRecord| said.candidates.first().is_some_and(|c| c.right);
+    let first = o.said.first();
+    first.is_some_and(|said| said.verdict == Verdict::Named && right(said))
 }
 
 fn singles(study: &Study) -> Vec<Figure> {
-    let named = |o: &Outcome| o.found == [Found::Named];
-    let silent = |o: &Outcome| o.said.is_empty();
-    let figure = |what, target, pick: fn(&Outcome) -> bool, count: &dyn Fn(&Outcome) -> bool| {
-        figure(study, (what, target), pick, count)
-    };
-    let most = |p| Some(Target::AtMost(p));
+    let typical = Kind::new(study, "typical size", typical);
+    let just = Kind::new(study, "just visible", |o| {
+        o.drawn.visible && matches!(o.plan.wanted, Wanted::One(_, Stratum::JustVisible))
+    });
+    let not = Kind::new(study, "not visible", |o| {
+        !o.drawn.visible && matches!(o.plan.wanted, Wanted::One(..))
+    });
+    let listed = "named, or listed among at most three that fit as well";
+    let other = "another named with confidence";
     vec![
-        figure(
-            "typical size: named, or listed among at most three that fit as well",
-            Some(Target::AtLeast(0.97)),
-            typical,
-            &found,
-        ),
-        figure("typical size: named alone", None, typical, &named),
-        figure(
-            "typical size: another named with confidence",
-            most(0.005),
-            typical,
-            &wrong,
-        ),
-        figure(
-            "typical size: right, and a wrong name besides",
-            None,
-            typical,
-            &right_with_wrong_name,
-        ),
-        figure("just visible: named or listed", None, just_visible, &found),
-        figure(
-            "just visible: another named with confidence",
-            None,
-            just_visible,
-            &wrong,
-        ),
-        figure("just visible: nothing said", None, just_visible, &silent),
-        figure("not visible: nothing said", None, not_visible, &silent),
-        figure(
-            "not visible: another named with confidence",
-            None,
-            not_visible,
-            &wrong,
-        ),
+        typical.sets(listed, least(0.97), found),
+        typical.sets("named alone", None, is_named),
+        typical.sets(other, most(0.005), is_other_named),
+        typical.sets("right, and a wrong name besides", None, |o| {
+            found(o) && has_wrong_name(o)
+        }),
+        just.sets("named or listed", None, found),
+        just.sets(other, None, is_other_named),
+        just.sets("nothing said", None, is_silent),
+        not.sets("nothing said", None, is_silent),
+        not.sets(other, None, is_other_named),
     ]
 }
 
 fn others(study: &Study) -> Vec<Figure> {
-    let clean = |o: &Outcome| {
+    let clean = Kind::new(study, "clean data", |o| {
         o.plan.wanted == Wanted::Nothing && o.plan.circumstances == Circumstances::AsStated
-    };
-    let two = |o: &Outcome| o.plan.wanted == Wanted::Two;
-    let any = |o: &Outcome| !o.said.is_empty();
-    let named = |o: &Outcome| !o.wrong_names.is_empty();
-    let figure = |what, target, pick: fn(&Outcome) -> bool, count: fn(&Outcome) -> bool| {
-        figure(study, (what, Some(target)), pick, count)
-    };
+    });
+    let outside = Kind::new(study, "outside the catalogue", is_outside);
+    let two = Kind::new(study, "two effects", |o| o.plan.wanted == Wanted::Two);
+    let noticed = "unknown, ambiguous or noisier than described";
     vec![
-        figure("clean data: any finding", Target::AtMost(0.01), clean, any),
-        figure(
-            "outside the catalogue: unknown or ambiguous",
-            Target::AtLeast(0.9),
-            is_outside,
+        clean.sets("any finding", most(0.01), |o| !is_silent(o)),
+        outside.sets(
+            "unknown or ambiguous",
+            least(0.9),
             has_finding_without_wrong_name,
         ),
-        figure(
-            "outside the catalogue: unknown, ambiguous or noisier than described",
-            Target::AtLeast(0.9),
-            is_outside,
-            is_noticed_without_wrong_name,
-        ),
-        figure(
-            "outside the catalogue: named with confidence",
-            Target::AtMost(0.03),
-            is_outside,
-            named,
-        ),
-        figure(
-            "two effects: both named or listed",
-            Target::AtLeast(0.9),
-            two,
-            found,
-        ),
-        figure(
-            "two effects: another named with confidence",
-            Target::AtMost(0.005),
-            two,
-            named,
-        ),
+        outside.sets(noticed, least(0.9), is_noticed_without_wrong_name),
+        outside.sets("named with confidence", most(0.03), has_wrong_name),
+        two.sets("both named or listed", least(0.9), found),
+        two.sets("another named with confidence", most(0.005), has_wrong_name),
     ]
-}
-
-/// Counts single effects among the outcomes for which `pick` holds.
-fn each_effect(
-    study: &Study,
-    (what, target): (&'static str, Target),
-    pick: impl Fn(&Outcome) -> bool,
-    count: fn(&Found) -> bool,
-) -> Figure {
-    let picked = study.outcomes.iter().filter(|o| pick(o));
-    let all: Vec<Found> = picked.flat_map(|o| o.found.clone()).collect();
-    Figure {
-        what,
-        count: all.iter().filter(|found| count(found)).count(),
-        of: all.len(),
-        target: Some(target),
-    }
 }
 
 /// Figures for several effects at once, families, exchanged channels and dominating effects.
 fn several_effects(study: &Study) -> Vec<Figure> {
-    let several = |o: &Outcome| o.plan.wanted == Wanted::Several;
-    let separated = |o: &Outcome| o.plan.wanted == Wanted::Separated;
-    let families = |o: &Outcome| o.plan.wanted == Wanted::Families;
-    let offset = |o: &Outcome| o.plan.wanted == Wanted::CommonOffset && o.drawn.visible;
-    let exchanged = |o: &Outcome| matches!(o.plan.wanted, Wanted::Exchanged(_));
+    let separated = Kind::new(study, "separated by exact evidence", |o| {
+        o.plan.wanted == Wanted::Separated
+    });
+    let several = Kind::new(study, "three to five effects", |o| {
+        o.plan.wanted == Wanted::Several
+    });
+    let offset = Kind::new(study, "dominating offset", |o| {
+        o.plan.wanted == Wanted::CommonOffset && o.drawn.visible
+    });
+    let families = Kind::new(study, "families", |o| o.plan.wanted == Wanted::Families);
+    let exchanged = Kind::new(study, "exchanged channels", |o| {
+        matches!(o.plan.wanted, Wanted::Exchanged(_))
+    });
     let named = |found: &Found| *found == Found::Named;
-    let named_alone = |o: &Outcome| o.found == [Found::Named] && o.said.len() == 1;
-    let wrong = |o: &Outcome| !o.wrong_names.is_empty();
-    let first = |o: &Outcome| {
-        let first = o.said.first();
-        let right = |said: &FindingRecord| said.candidates.first().is_some_and(|c| c.right);
-        first.is_some_and(|said| said.sure == Sure::Named && right(said))
-    };
-    let least = Target::AtLeast;
-    let most = Target::AtMost;
-    let of = |what, target, pick: fn(&Outcome) -> bool, count: fn(&Outcome) -> bool| {
-        figure(study, (what, Some(target)), pick, count)
-    };
+    let without_reason = Outcome::unknown_without_reason;
     vec![
-        of(
-            "separated by exact evidence: named alone",
-            least(0.95),
-            separated,
-            named_alone,
-        ),
-        of(
-            "separated by exact evidence: a wrong name",
-            most(0.003),
-            separated,
-            wrong,
-        ),
-        each_effect(
-            study,
-            ("three to five effects: named", least(0.9)),
-            several,
-            named,
-        ),
-        each_effect(
-            study,
-            ("three to five effects: named or listed", least(0.98)),
-            several,
-            is_found,
-        ),
-        of(
-            "three to five effects: a wrong name",
-            most(0.02),
-            several,
-            wrong,
-        ),
-        of(
-            "three to five effects: `unknown` for no reason",
-            most(0.02),
-            several,
-            Outcome::unknown_without_reason,
-        ),
-        of("dominating offset: named first", least(0.95), offset, first),
-        each_effect(
-            study,
-            ("families: members named", least(0.9)),
-            families,
-            named,
-        ),
-        of("exchanged channels: named", least(1.0), exchanged, |o| {
-            o.found == [Found::Named]
+        separated.sets("named alone", least(0.95), |o| {
+            is_named(o) && o.said.len() == 1
         }),
-        of(
-            "exchanged channels: within 2 s",
-            least(1.0),
-            exchanged,
-            |o| o.seconds < 2.0,
-        ),
+        separated.sets("a wrong name", most(0.003), has_wrong_name),
+        several.effects("named", least(0.9), named),
+        several.effects("named or listed", least(0.98), is_found),
+        several.sets("a wrong name", most(0.02), has_wrong_name),
+        several.sets("`unknown` for no reason", most(0.02), without_reason),
+        offset.sets("named first", least(0.95), is_first),
+        families.effects("members named", least(0.9), named),
+        exchanged.sets("named", least(1.0), is_named),
+        exchanged.sets("within 2 s", least(1.0), |o| o.seconds < 2.0),
     ]
 }
 
 /// Figures for data that deviate from the description.
 fn wrong_models(study: &Study) -> Vec<Figure> {
-    let mild = |o: &Outcome| o.plan.circumstances == Circumstances::ModelError;
-    let single = |o: &Outcome| o.plan.wanted == Wanted::Any;
-    let holes = |o: &Outcome| o.without_holes.is_some();
-    let still_visible = |o: &Outcome| o.without_holes.is_some() && o.drawn.visible;
-    let wrong = |o: &Outcome| !o.wrong_names.is_empty();
-    let of = |what, target, pick: &dyn Fn(&Outcome) -> bool, count: &dyn Fn(&Outcome) -> bool| {
-        figure(study, (what, Some(target)), pick, count)
-    };
-    let named = |o: &Outcome| o.found == [Found::Named];
-    let arrives = |o: &Outcome| o.without_holes.as_ref().is_some_and(|w| w.fit_arrives);
+    let mild = "model slightly wrong";
+    let single = Kind::new(study, mild, |o| {
+        o.plan.circumstances == Circumstances::ModelError && o.plan.wanted == Wanted::Any
+    });
+    let any = Kind::new(study, mild, |o| {
+        o.plan.circumstances == Circumstances::ModelError && o.plan.wanted != Wanted::CommonOffset
+    });
+    let holes = Kind::new(study, "empty cells", |o| o.without_holes.is_some());
+    let visible = Kind::new(study, "empty cells", |o| {
+        o.without_holes.is_some() && o.drawn.visible
+    });
     let as_without = |o: &Outcome| {
         let without = o.without_holes.as_ref().map(|w| &w.found);
         without.is_some_and(|without| found(o) || o.found <= *without)
     };
-    let tails = |o: &Outcome| {
+    let tails = Kind::new(study, "heavy tails or shared errors", |o| {
         use Circumstances::{HeavyTails, Standstills};
         matches!(o.plan.circumstances, HeavyTails | Standstills)
-    };
-    let mild_one = |o: &Outcome| mild(o) && single(o);
-    let mild_any = |o: &Outcome| mild(o) && o.plan.wanted != Wanted::CommonOffset;
+    });
     vec![
-        of(
-            "model slightly wrong: the effect named",
-            Target::AtLeast(0.85),
-            &mild_one,
-            &named,
-        ),
-        of(
-            "model slightly wrong: a wrong name",
-            Target::AtMost(0.03),
-            &mild_any,
-            &wrong,
-        ),
-        of(
-            "empty cells: the fit arrives",
-            Target::AtLeast(1.0),
-            &holes,
-            &arrives,
-        ),
-        of(
-            "empty cells: found as without them",
-            Target::AtLeast(1.0),
-            &still_visible,
-            &as_without,
-        ),
-        of(
-            "heavy tails or shared errors: a wrong name",
-            Target::AtMost(0.03),
-            &tails,
-            &wrong,
-        ),
+        single.sets("the effect named", least(0.85), is_named),
+        any.sets("a wrong name", most(0.03), has_wrong_name),
+        holes.sets("the fit arrives", least(1.0), |o| {
+            o.without_holes.as_ref().is_some_and(|w| w.fit_arrives)
+        }),
+        visible.sets("found as without them", least(1.0), as_without),
+        tails.sets("a wrong name", most(0.03), has_wrong_name),
     ]
 }
 
 fn numbers(study: &Study) -> Vec<Figure> {
-    let visible = |o: &Outcome| o.drawn.visible && o.held_out_ratio.is_some();
-    let close = |o: &Outcome| o.held_out_ratio.is_some_and(|ratio| ratio <= HELD_OUT);
-    let what = "held-out error within 5 % of that of the true model";
+    let ratios = study.outcomes.iter().filter(|o| o.drawn.visible);
+    let ratios = ratios.filter_map(|o| o.held_out_ratio);
     let parameters = study.outcomes.iter().flat_map(|o| &o.parameters);
-    let covered = parameters
-        .clone()
-        .filter(|error| error.standardised.abs() < NORMAL_95);
     vec![
-        figure(study, (what, None), visible, close),
         Figure {
-            what: "parameters of named effects: 95 % intervals that cover the truth",
-            count: covered.count(),
-            of: parameters.count(),
+            what: "held-out error within 5 % of that of the true model".to_owned(),
+            share: Share::of(ratios, |ratio| ratio <= HELD_OUT),
+            target: None,
+        },
+        Figure {
+            what: "parameters of named effects: 95 % intervals that cover the truth".to_owned(),
+            share: Share::of(parameters, |error| error.standardised.abs() < NORMAL_95),
             target: Some(Target::Within(0.93, 0.97)),
         },
     ]

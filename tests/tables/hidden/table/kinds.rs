@@ -1,14 +1,15 @@
 //! Table with a row for each kind of dataset: results for hidden effects, other findings, computing time.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
-use super::{Figure, is_found};
+use super::is_found;
+use crate::tables::counting::{Share, median};
 use crate::tables::hidden::judge::Found;
 use crate::tables::hidden::{Circumstances, Outcome, Study, Wanted};
+use crate::tables::markdown::Table;
 
 /// Short description of what is hidden.
-pub(super) fn name(wanted: Wanted) -> &'static str {
+fn name(wanted: Wanted) -> &'static str {
     match wanted {
         Wanted::Nothing => "nothing",
         Wanted::One(..) => "one effect",
@@ -34,66 +35,35 @@ pub(super) fn table(study: &Study) -> String {
     for outcome in &study.outcomes {
         kinds.entry(kind(outcome)).or_default().push(outcome);
     }
-    let mut text = String::from(
-        "| hidden | data sets | effects | named | named or listed | data sets with a wrong name | with nothing said | \
-         with `unknown` for no reason | median s | largest s |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    let mut table = Table::new(
+        "hidden | data sets | effects | named | named or listed | data sets with a wrong name | with nothing said | with `unknown` for no reason | median s | largest s",
     );
     for ((name, circumstances), outcomes) in kinds {
-        let name = match circumstances {
-            Circumstances::AsStated => name.to_owned(),
-            other => format!("{name}; {}", other.name()),
+        let besides = match circumstances {
+            Circumstances::AsStated => String::new(),
+            other => format!("; {}", other.name()),
         };
-        let _ = writeln!(text, "| {name} | {}", row(&outcomes));
+        table.row(format_args!("{name}{besides} | {}", row(&outcomes)));
     }
-    text.push('\n');
-    text
+    table.text() + "\n"
 }
 
 fn row(outcomes: &[&Outcome]) -> String {
     let visible = outcomes.iter().filter(|outcome| outcome.drawn.visible);
-    let found: Vec<Found> = visible.flat_map(|outcome| outcome.found.clone()).collect();
-    let effects = |accepted: fn(&Found) -> bool| {
-        share(
-            found.iter().filter(|found| accepted(found)).count(),
-            found.len(),
-        )
-    };
-    let data_sets = |accepted: fn(&Outcome) -> bool| {
-        share(
-            outcomes.iter().filter(|outcome| accepted(outcome)).count(),
-            outcomes.len(),
-        )
-    };
-    let mut seconds: Vec<f64> = outcomes.iter().map(|outcome| outcome.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
+    let found: Vec<&Found> = visible.flat_map(|outcome| &outcome.found).collect();
+    let effects = |is: fn(&Found) -> bool| Share::of(&found, |found| is(found)).without_whole();
+    let sets = |is: fn(&Outcome) -> bool| Share::of(outcomes, |one| is(one)).without_whole();
+    let seconds = outcomes.iter().map(|outcome| outcome.seconds);
     format!(
-        "{} | {} | {} | {} | {} | {} | {} | {:.2} | {:.2} |",
+        "{} | {} | {} | {} | {} | {} | {} | {:.2} | {:.2}",
         outcomes.len(),
         found.len(),
         effects(|found| *found == Found::Named),
         effects(is_found),
-        data_sets(|outcome| !outcome.wrong_names.is_empty()),
-        data_sets(|outcome| outcome.said.is_empty()),
-        data_sets(Outcome::unknown_without_reason),
-        seconds[seconds.len() / 2],
-        seconds[seconds.len() - 1],
-    )
-}
-
-/// A share in percent with its 95 % interval.
-fn share(count: usize, of: usize) -> String {
-    let figure = Figure {
-        what: "",
-        count,
-        of,
-        target: None,
-    };
-    if of == 0 {
-        return "-".to_owned();
-    }
-    let [low, high] = figure.interval().map(|p| 100.0 * p);
-    format!(
-        "{count}: {:.1} % ({low:.1} to {high:.1})",
-        100.0 * figure.share()
+        sets(|outcome| !outcome.wrong_names.is_empty()),
+        sets(|outcome| outcome.said.is_empty()),
+        sets(Outcome::unknown_without_reason),
+        median(seconds.clone()),
+        seconds.fold(0.0, f64::max),
     )
 }

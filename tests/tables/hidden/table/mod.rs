@@ -1,6 +1,5 @@
 //! Markdown tables of a study.
 
-mod drawn;
 mod figures;
 mod kinds;
 mod reliability;
@@ -8,16 +7,17 @@ mod reliability;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use tautline_core::diagnosis::Verdict;
 use tautline_core::effect::CATALOGUE;
 
-pub use drawn::drawn_markdown;
 pub use figures::{Figure, Figures, Target};
 pub use reliability::{diagram, logarithmic_score};
 
-use figures::NORMAL_95;
-
 use super::judge::Found;
-use super::{FindingRecord, Hidden, OUTSIDE, Outcome, Stratum, Study, Sure, Wanted, robots};
+use super::{FindingRecord, Hidden, OUTSIDE, Outcome, Stratum, Study, Wanted, robots};
+use crate::tables::counting::{Share, median};
+use crate::tables::markdown::{Table, table};
+use crate::tables::simulated::NORMAL_95;
 
 /// All tables of a study: figures, results by effect and robot, confusions, computing times.
 #[must_use]
@@ -79,44 +79,47 @@ pub(super) fn is_noticed_without_wrong_name(outcome: &Outcome) -> bool {
 }
 
 fn figures_table(figures: &Figures) -> String {
-    let mut text =
-        String::from("| what | of | share | 95 % interval | asked for |\n|---|---|---|---|---|\n");
-    for figure in figures.all.iter().filter(|figure| figure.of > 0) {
-        let [low, high] = figure.interval();
-        let _ = writeln!(
-            text,
-            "| {} | {} | {:.2} % | {:.2} to {:.2} % | {} |",
-            figure.what,
-            figure.of,
-            100.0 * figure.share(),
+    let mut table = Table::new("what | of | share | 95 % interval | asked for");
+    for Figure {
+        what,
+        share,
+        target,
+    } in figures.all.iter().filter(|figure| figure.share.whole > 0)
+    {
+        let [low, high] = share.interval();
+        table.row(format_args!(
+            "{what} | {} | {:.2} % | {:.2} to {:.2} % | {}",
+            share.whole,
+            100.0 * share.ratio(),
             100.0 * low,
             100.0 * high,
-            figure.target.map_or("-".to_owned(), |t| t.to_string()),
-        );
+            target.map_or("-".to_owned(), |target| target.to_string()),
+        ));
     }
-    text.push('\n');
-    text
+    table.text() + "\n"
 }
 
 fn counts(study: &Study) -> String {
-    let mut seconds: Vec<f64> = study.outcomes.iter().map(|o| o.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
-    let median = seconds.get(seconds.len() / 2).copied().unwrap_or(0.0);
-    let largest = seconds.last().copied().unwrap_or(0.0);
+    let seconds = study.outcomes.iter().map(|o| o.seconds);
     let redraws: usize = study.outcomes.iter().map(|o| o.drawn.redraws).sum();
-    let mut ratios: Vec<f64> = (study.outcomes.iter())
-        .filter_map(|o| o.held_out_ratio)
-        .collect();
-    ratios.sort_by(f64::total_cmp);
-    let ratio = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+    let ratios = study.outcomes.iter().filter_map(|o| o.held_out_ratio);
     format!(
         "{} data sets; {} more for whose effect the robot has no reading; {redraws} draws thrown away; {} \
-         impossible. Diagnosis: median {median:.3} s, largest {largest:.3} s. Held-out error over that of the \
-         true model: median {ratio:.4}.\n\n",
+         impossible. Diagnosis: median {:.3} s, largest {:.3} s. Held-out error over that of the \
+         true model: median {:.4}.\n\n",
         study.outcomes.len(),
         study.not_applicable,
         study.impossible.len(),
+        median_or(0.0, seconds.clone()),
+        seconds.fold(0.0, f64::max),
+        median_or(1.0, ratios),
     )
+}
+
+/// The median, or a number for none.
+fn median_or(none: f64, values: impl Iterator<Item = f64>) -> f64 {
+    let median = median(values);
+    if median.is_nan() { none } else { median }
 }
 
 /// Counts for one effect on one robot.
@@ -179,18 +182,16 @@ fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), 
         return String::new();
     }
     let names: Vec<&str> = robots().iter().map(|robot| robot.name).collect();
-    let mut text = format!("{caption}\n\n| effect | {} |\n", names.join(" | "));
-    let _ = writeln!(text, "|---|{}", "---|".repeat(names.len()));
+    let mut table = Table::new(&format!("effect | {}", names.join(" | ")));
     for id in ids {
         if !cells.keys().any(|(effect, _)| effect == id) {
             continue;
         }
         let cells = names.iter().map(|name| cells.get(&(*id, *name)));
         let row: Vec<&str> = cells.map(|cell| cell.map_or("-", String::as_str)).collect();
-        let _ = writeln!(text, "| {id} | {} |", row.join(" | "));
+        table.row(format_args!("{id} | {}", row.join(" | ")));
     }
-    text.push('\n');
-    text
+    format!("{caption}\n\n{}\n", table.text())
 }
 
 /// Table of what was reported instead of the truth or in addition to it.
@@ -204,14 +205,10 @@ fn confusions(study: &Study) -> String {
     if counts.is_empty() {
         return String::new();
     }
-    let mut text = String::from(
-        "Confusions; in brackets what was said besides the truth.\n\n| hidden | said | times |\n|---|---|---|\n",
-    );
-    for ((hidden, said), times) in counts {
-        let _ = writeln!(text, "| {hidden} | {said} | {times} |");
-    }
-    text.push('\n');
-    text
+    let rows = counts.iter();
+    let rows = rows.map(|((hidden, said), times)| format!("{hidden} | {said} | {times}"));
+    let table = table("hidden | said | times", rows);
+    format!("Confusions; in brackets what was said besides the truth.\n\n{table}\n")
 }
 
 /// Hidden effects and what was reported instead, without cable numbers.
@@ -225,7 +222,7 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
         }
     };
     let answers: Vec<String> = outcome.said.iter().map(|said| said.text.clone()).collect();
-    let hidden = match &outcome.drawn.case.hidden {
+    let hidden = match &outcome.drawn.hidden {
         Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
         Hidden::Nothing if outcome.said.is_empty() => return Vec::new(),
         Hidden::Nothing => return vec![("nothing".to_owned(), said(&answers))],
@@ -290,25 +287,19 @@ pub fn coverage(study: &Study) -> String {
             .or_default()
             .push(error.standardised);
     }
-    let mut text =
-        String::from("| effect | parameter | covered | rms error, sd |\n|---|---|---|---|\n");
-    for ((effect, parameter), errors) in errors {
-        let covered = errors.iter().filter(|e| e.abs() < NORMAL_95).count();
+    let rows = errors.into_iter().map(|((effect, parameter), errors)| {
+        let Share { part, whole } = Share::of(&errors, |e| e.abs() < NORMAL_95);
         let squares: f64 = errors.iter().map(|e| e * e).sum();
-        let rms = (squares / errors.len() as f64).sqrt();
-        let _ = writeln!(
-            text,
-            "| {effect} | {parameter} | {covered}/{} | {rms:.2} |",
-            errors.len()
-        );
-    }
-    text
+        let rms = (squares / whole as f64).sqrt();
+        format!("{effect} | {parameter} | {part}/{whole} | {rms:.2}")
+    });
+    table("effect | parameter | covered | rms error, sd", rows)
 }
 
 /// Describes a dataset and its outcome in one line.
 #[must_use]
 pub fn describe(outcome: &Outcome) -> String {
-    let hidden = match &outcome.drawn.case.hidden {
+    let hidden = match &outcome.drawn.hidden {
         Hidden::Nothing => "nothing".to_owned(),
         Hidden::Effects(settings) => {
             let each = settings.iter();
@@ -350,9 +341,9 @@ pub fn describe(outcome: &Outcome) -> String {
 fn with_probabilities(said: &FindingRecord) -> String {
     let each = said.candidates.iter();
     let each = each.map(|candidate| format!("{} {:.3}", candidate.name, candidate.probability));
-    let text = match said.sure {
-        Sure::Unknown => said.text.clone(),
-        Sure::Named | Sure::Ambiguous => each.collect::<Vec<_>>().join(" or "),
+    let text = match said.verdict {
+        Verdict::Unknown => said.text.clone(),
+        Verdict::Named | Verdict::Ambiguous => each.collect::<Vec<_>>().join(" or "),
     };
     format!("{text} ({:.1})", said.gain)
 }

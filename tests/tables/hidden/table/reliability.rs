@@ -1,14 +1,13 @@
 //! Reliability of stated probabilities: whether they equal the observed frequencies.
 
-use std::fmt::Write as _;
-
 use egui::Color32;
 use tautline_workflow::plot::Colours;
 use tautline_workflow::plot::draw::drawing;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 
+use crate::tables::counting::Share;
 use crate::tables::hidden::Study;
-use crate::tables::hidden::interval::clopper_pearson;
+use crate::tables::markdown::Table;
 
 /// Class borders of stated probability: tenths, with a finer division where causes are named.
 const BORDERS: [f64; 13] = [
@@ -39,28 +38,20 @@ pub struct Class {
     pub borders: [f64; 2],
     /// Sum of the stated probabilities.
     pub stated: f64,
-    /// Number of causes.
-    pub count: usize,
-    /// Number of causes that were hidden.
-    pub right: usize,
+    /// Causes that were hidden.
+    pub right: Share,
 }
 
 impl Class {
     /// Mean of the stated probabilities.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        self.stated / self.count.max(1) as f64
-    }
-
-    /// Share of the causes that were hidden.
-    #[must_use]
-    pub fn frequency(&self) -> f64 {
-        self.right as f64 / self.count.max(1) as f64
+        self.stated / self.right.whole.max(1) as f64
     }
 
     fn verdict(&self) -> &'static str {
-        let [low, high] = clopper_pearson(self.right, self.count);
-        let (stated, observed) = (self.mean(), self.frequency());
+        let [low, high] = self.right.interval();
+        let (stated, observed) = (self.mean(), self.right.ratio());
         if (low..=high).contains(&stated) {
             "as stated"
         } else if (observed > stated) == (stated > 0.5) {
@@ -81,7 +72,7 @@ fn statements(study: &Study) -> impl Iterator<Item = (f64, bool)> + '_ {
     candidates.map(|candidate| (candidate.probability, candidate.right))
 }
 
-/// Classes of stated probability.
+/// Classes of stated probability that have causes.
 #[must_use]
 pub fn classes(study: &Study) -> Vec<Class> {
     let mut classes: Vec<Class> = BORDERS
@@ -98,9 +89,9 @@ pub fn classes(study: &Study) -> Vec<Class> {
         let last = classes.len() - 1;
         let class = &mut classes[at.unwrap_or(last)];
         class.stated += probability;
-        class.count += 1;
-        class.right += usize::from(right);
+        class.right.count(right);
     }
+    classes.retain(|class| class.right.whole > 0);
     classes
 }
 
@@ -122,48 +113,44 @@ pub fn logarithmic_score(statements: impl Iterator<Item = (f64, bool)>) -> f64 {
 /// The reliability table; empty if there are no statements.
 pub(super) fn table(study: &Study) -> String {
     let classes = classes(study);
-    let all: usize = classes.iter().map(|class| class.count).sum();
-    if all == 0 {
+    if classes.is_empty() {
         return String::new();
     }
-    let mut text = String::from(
-        "Stated probabilities, of all causes that are named, listed or said to be possible.\n\n\
-         | stated | causes | mean stated | right | 95 % interval | |\n|---|---|---|---|---|---|\n",
-    );
-    for class in classes.iter().filter(|class| class.count > 0) {
-        let [low, high] = clopper_pearson(class.right, class.count).map(|p| 100.0 * p);
+    let mut table = Table::new("stated | causes | mean stated | right | 95 % interval |");
+    for class in classes {
+        let [low, high] = class.right.interval().map(|p| 100.0 * p);
         let [from, to] = class.borders.map(|p| 100.0 * p);
-        let _ = writeln!(
-            text,
-            "| {from:.0} to {to:.0} % | {} | {:.1} % | {:.1} % | {low:.1} to {high:.1} % | {} |",
-            class.count,
+        table.row(format_args!(
+            "{from:.0} to {to:.0} % | {} | {:.1} % | {:.1} % | {low:.1} to {high:.1} % | {}",
+            class.right.whole,
             100.0 * class.mean(),
-            100.0 * class.frequency(),
+            100.0 * class.right.ratio(),
             class.verdict(),
-        );
+        ));
     }
     let score = logarithmic_score(statements(study));
-    let _ = writeln!(
-        text,
-        "\nLogarithmic score {score:.3} per cause; all with 50 % would be 0.693.\n"
-    );
-    text
+    format!(
+        "Stated probabilities, of all causes that are named, listed or said to be possible.\n\n{}\n\
+         Logarithmic score {score:.3} per cause; all with 50 % would be 0.693.\n\n",
+        table.text()
+    )
 }
 
 /// Reliability diagram as an SVG file.
 #[must_use]
 pub fn diagram(study: &Study) -> String {
     let classes = classes(study);
-    let filled: Vec<&Class> = classes.iter().filter(|class| class.count > 0).collect();
-    let points = filled.iter().map(|c| Point::new(c.mean(), c.frequency()));
+    let points = classes
+        .iter()
+        .map(|c| Point::new(c.mean(), c.right.ratio()));
     let mut curves = vec![Curve {
         name: "as stated".to_owned(),
         ink: Ink::Muted,
         dashed: true,
         points: vec![[0.0, 0.0], [1.0, 1.0]],
     }];
-    curves.extend(filled.iter().map(|class| {
-        let [low, high] = clopper_pearson(class.right, class.count);
+    curves.extend(classes.iter().map(|class| {
+        let [low, high] = class.right.interval();
         Curve {
             name: String::new(),
             ink: Ink::Accent,

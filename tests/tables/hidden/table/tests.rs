@@ -1,13 +1,12 @@
-use tautline_core::effect::EffectSetting;
-
 use super::figures::Target;
 use super::*;
-use crate::tables::hidden::{Case, Circumstances, Conditions, Drawn, ParameterError, Plan};
+use crate::tables::hidden::{Circumstances, Conditions, Drawn, ParameterError, Plan};
+use crate::tables::simulated::setting;
 
 fn said(text: &str) -> FindingRecord {
     FindingRecord {
         text: text.to_owned(),
-        sure: Sure::Named,
+        verdict: Verdict::Named,
         gain: 45.0,
         candidates: vec![],
     }
@@ -25,12 +24,8 @@ fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) ->
     Outcome {
         plan,
         drawn: Drawn {
-            case: Case {
-                robot: "mini",
-                seed: 1,
-                hidden,
-                conditions: Conditions::default(),
-            },
+            hidden,
+            conditions: Conditions::default(),
             noncentralities: vec![50.0; found.len()],
             visible: true,
             redraws: 1,
@@ -52,11 +47,8 @@ fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) ->
 }
 
 fn scale() -> Hidden {
-    Hidden::Effects(vec![EffectSetting {
-        effect: "winch_scale".to_owned(),
-        targets: vec!["cable-3".to_owned()],
-        parameters: [("scale".to_owned(), 0.003)].into(),
-    }])
+    let scale = setting("winch_scale", &["cable-3"], "scale", 0.003);
+    Hidden::Effects(vec![scale])
 }
 
 fn study() -> Study {
@@ -82,7 +74,7 @@ fn study() -> Study {
 fn counted(figures: &Figures, what: &str) -> (usize, usize) {
     let mut all = figures.all.iter();
     let figure = all.find(|figure| figure.what.starts_with(what)).unwrap();
-    (figure.count, figure.of)
+    (figure.share.part, figure.share.whole)
 }
 
 #[test]
@@ -100,10 +92,9 @@ fn outcomes_are_counted_correctly() {
 
 #[test]
 fn a_share_is_compared_with_its_requirement() {
-    let figure = |count, target| Figure {
-        what: "",
-        count,
-        of: 10,
+    let figure = |part, target| Figure {
+        what: String::new(),
+        share: Share { part, whole: 10 },
         target: Some(target),
     };
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
