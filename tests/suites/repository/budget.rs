@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7714),
-    ("core", 37309),
+    ("cli", 7573),
+    ("core", 37311),
     ("import", 18744),
     ("link", 10448),
-    ("python", 988),
-    ("session", 8056),
-    ("study", 3164),
-    ("workbench", 38148),
-    ("workflow", 20951),
+    ("python", 989),
+    ("session", 8063),
+    ("study", 3179),
+    ("workbench", 38107),
+    ("workflow", 20925),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
