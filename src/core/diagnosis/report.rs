@@ -212,8 +212,7 @@ pub struct UnmodelledError {
     pub readings: ReadingId,
     /// Form of the error, with the variable that it depends on.
     pub form: ErrorForm,
-    /// Root mean square over the readings of the part that the identified values do not take up (m, N or rad); `None` if it was tested
-    /// for but not estimated.
+    /// Root mean square of the error over the readings, about its mean (m, N or rad); `None` if it was tested for but not estimated.
     pub rms: Option<f64>,
 }
 

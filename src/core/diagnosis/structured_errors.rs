@@ -38,7 +38,7 @@ pub(super) struct StructuredError {
     pub log_odds: f64,
     /// Log prior probability.
     pub log_prior: f64,
-    /// Root mean square over the readings of the part that the identified values do not take up (SI units).
+    /// Root mean square over the readings, about its mean (SI units).
     pub rms: f64,
     /// Columns as conditions, with prior variance 1.
     pub columns: DMatrix<f64>,
@@ -192,8 +192,8 @@ impl<'l> ErrorSearch<'l> {
         }
     }
 
-    /// Root mean square over the readings (SI units) of the part of an error `c` that the identified values do not take up, with the
-    /// posterior mean `c = (K + 1/s^2)^-1 b`: its chi-square is `c^T K c = c^T b - c^T c / s^2`.
+    /// Standard deviation over the readings (SI units) of the posterior mean of an error, `(K + 1/s^2)^-1 b` in terms of its
+    /// functions. Its mean is left out, as parameters of the model express a constant as well.
     fn rms(
         &self,
         fit: &Estimate<'_>,
@@ -204,18 +204,12 @@ impl<'l> ErrorSearch<'l> {
         let functions = with_constant(functions(self.family(scored)), &target.poses);
         let (score, mut information) =
             ReadingErrors::new(&fit.base, &target.classes).of(&functions);
-        let of_prior = scored.size.powi(-2);
         for k in 0..score.len() {
-            information[(k, k)] += of_prior;
+            information[(k, k)] += scored.size.powi(-2);
         }
         let mean = information.cholesky().map(|factor| factor.solve(&score));
-        let chi2 = mean.map_or(0.0, |mean| {
-            mean.dot(&score) - of_prior * mean.norm_squared()
-        });
-        let variances = target.classes.iter().map(|k| fit.hyper.variance[*k]);
-        let classes = target.classes.len() as f64;
-        let variance = variances.sum::<f64>() / classes;
-        target.sd * (variance * chi2 / (classes * target.poses.len() as f64)).sqrt()
+        let values = mean.map(|mean| functions.select_rows(&target.poses) * mean);
+        target.sd * values.map_or(0.0, |values| values.variance().sqrt())
     }
 
     /// A constant and the functions of a family as conditions.

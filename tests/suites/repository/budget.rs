@@ -9,14 +9,14 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7573),
-    ("core", 37311),
+    ("core", 37305),
     ("import", 18744),
     ("link", 10448),
     ("python", 989),
     ("session", 8063),
     ("study", 3179),
     ("workbench", 38107),
-    ("workflow", 20925),
+    ("workflow", 20934),
 ];
 
 fn is_of_tests(path: &Path) -> bool {

@@ -7,7 +7,7 @@ use crate::history::date;
 use crate::report::document::{Section, Table};
 use crate::report::input::ReportInput;
 use crate::wording::list;
-use crate::wording::units::significant;
+use crate::wording::units::{decimals_of_uncertainty, fixed, significant};
 
 /// Last line of every certificate.
 pub const END: &str = "End of the document.";
@@ -167,16 +167,25 @@ pub fn conditions(session: &Session, now: Timestamp, section: &mut Section) {
             format!("{} degrees Celsius{with}", significant(celsius, 4)),
         );
         if let Some(expansion) = details.expansion_per_k {
-            let shrinkage = expansion * (celsius - REFERENCE_C);
-            let sd = sd.map_or_else(String::new, |kelvin| {
-                format!(" ± {}", significant(1e3 * expansion * kelvin, 2))
-            });
+            let shorter_mm = 1e3 * expansion * (celsius - REFERENCE_C);
+            let direction = if shorter_mm < 0.0 {
+                "longer"
+            } else {
+                "shorter"
+            };
+            let sd_mm = sd.map(|kelvin| 1e3 * expansion * kelvin);
+            let size = match sd_mm.filter(|sd_mm| *sd_mm > 0.0) {
+                Some(sd_mm) => {
+                    let digits = decimals_of_uncertainty(sd_mm);
+                    let shown = |mm: f64| fixed(mm, digits);
+                    format!("{} ± {}", shown(shorter_mm.abs()), shown(sd_mm))
+                }
+                None => significant(shorter_mm.abs(), 3),
+            };
             add(
                 "Reference temperature",
                 format!(
-                    "The values hold at the temperature of measuring. At 20 degrees Celsius (ISO 1) distances are {} by {}{sd} mm per metre.",
-                    if shrinkage < 0.0 { "longer" } else { "shorter" },
-                    significant(1e3 * shrinkage.abs(), 3)
+                    "The values hold at the temperature of measuring. At 20 degrees Celsius (ISO 1) distances are {direction} by {size} mm per metre."
                 ),
             );
         }

@@ -149,27 +149,18 @@ fn a_certificate_states_what_it_was_given_and_what_is_missing() {
     ];
     tautline(&simulate).succeeded();
     let (out, dcc) = (folder.join("c.html"), folder.join("c.xml"));
-    let of = |details: &str, out: &str| {
+    let of = |details: &str, out: &str, further: &[&str]| {
         let who = ["--company", "Owner Ltd", "--operator", "A. Smith"];
-        let base = [
-            "report",
-            &data,
-            "--details",
-            details,
-            "-o",
-            out,
-            "--replace",
-        ];
-        tautline(
-            &[
-                &base[..],
-                &who,
-                &["--tolerance", "20", "--monte-carlo", "100"],
-            ]
-            .concat(),
-        )
+        let base = ["report", &data, "--details", details, "-o", out];
+        let more = ["--replace", "--tolerance", "20"];
+        tautline(&[&base[..], &who, &more, further].concat())
     };
-    let answer = of(&details(&folder, &["operation", "serial_number"]), &out);
+    let drawn = ["--monte-carlo", "100"];
+    let answer = of(
+        &details(&folder, &["operation", "serial_number"]),
+        &out,
+        &drawn,
+    );
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let stated = "Serial number of the robot (in its description), Load, speed and warming up";
     assert!(answer.stderr.contains(stated), "{}", answer.stderr);
@@ -179,7 +170,7 @@ fn a_certificate_states_what_it_was_given_and_what_is_missing() {
         "Laboratory: Robot Works &amp; Sons, Leeds",
         "Measured: 2018-07-23 to 2018-07-24",
         "Laser DX-1: its calibration was due on 2018-03-12.",
-        "distances are shorter by 0.018 ± 0.0048 mm per metre",
+        "distances are shorter by 0.0180 ± 0.0048 mm per metre",
         "a verdict needs a probability of 95 %",
         "Probability that all pulleys are within the tolerance",
         "must not be reproduced except in full",
@@ -190,19 +181,20 @@ fn a_certificate_states_what_it_was_given_and_what_is_missing() {
     ] {
         assert!(text.contains(part), "no {part}");
     }
-    of(&details(&folder, &["country", "number"]), &dcc)
+    of(&details(&folder, &["country", "number"]), &dcc, &[])
         .refused(&["Number of the certificate and Country of the laboratory"]);
-    of(&details(&folder, &[]), &dcc).succeeded();
+    of(&details(&folder, &[]), &dcc, &[]).succeeded();
+    of(&details(&folder, &[]), &dcc, &drawn).refused(&["--monte-carlo", ".html or .pdf"]);
     let page = include_str!("../../../../docs/CERTIFICATE.md");
     let example = page
         .split("```")
         .nth(1)
         .and_then(|code| code.strip_prefix("toml"));
     let example = folder.write("example.toml", example.expect("an example"));
-    of(&example, &dcc).succeeded();
+    of(&example, &dcc, &[]).succeeded();
     let wrong = folder.write(
         "wrong.toml",
         "format = \"tautline-certificate-details\"\nversion = 1\nnumer = \"1\"\n",
     );
-    of(&wrong, &out).refused(&["wrong.toml", "numer"]);
+    of(&wrong, &out, &[]).refused(&["wrong.toml", "numer"]);
 }
