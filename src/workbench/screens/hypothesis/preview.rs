@@ -41,7 +41,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
             Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
             Some(Ok(PreviewResult::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
             Some(Ok(PreviewResult::Simulated(signature))) => {
-                simulated(ui, model, signature, outbox)
+                simulated(ui, model, signature, outbox);
             }
         }
     });
