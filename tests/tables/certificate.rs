@@ -162,10 +162,10 @@ const SOURCES: [(&str, Restore); 6] = [
         (drawn.measurements.laser_m).clone_from(&known.measurements.laser_m);
     }),
     ("home_pose", |drawn, known| {
-        drawn.robot.home = known.robot.home
+        drawn.robot.home = known.robot.home;
     }),
     ("target_plane", |drawn, known| {
-        drawn.robot.laser = known.robot.laser
+        drawn.robot.laser = known.robot.laser;
     }),
     ("drawing", |drawn, known| {
         for (cable, known) in drawn.robot.cables.iter_mut().zip(&known.robot.cables) {
