@@ -18,7 +18,7 @@ pub(crate) fn are_in_model(open: &OpenSession, effects: &[EffectSetting]) -> boo
     effects.iter().all(is_added)
 }
 
-/// Whether the model, with the findings, explains the readings.
+/// Whether the model explains the readings, alone or with the findings.
 pub(crate) fn explain(diagnosed: &Diagnosed) -> bool {
     let diagnosis = &diagnosed.diagnosis;
     let is_extended = !diagnosis.findings.is_empty();

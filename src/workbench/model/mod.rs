@@ -312,7 +312,7 @@ impl Model {
         adjusting::revertible(self.open.as_ref()?.session())
     }
 
-    /// Whether the connected robot, if any, is the simulated robot of the session.
+    /// Whether no robot is connected, or the one that the session simulates.
     #[must_use]
     pub fn is_true_to_session(&self) -> bool {
         let connected = self.link.connected.as_ref();

@@ -217,7 +217,7 @@ impl OpenSession {
         self.inputs
     }
 
-    /// Whether this number of inputs was assigned since the session was opened.
+    /// Whether a number of inputs, assigned in ascending order, is not older than this open session.
     #[must_use]
     pub fn knows(&self, inputs: u64) -> bool {
         inputs >= self.id
@@ -480,7 +480,7 @@ impl OpenSession {
             .is_some_and(|computed| computed.inputs == self.inputs)
     }
 
-    /// Whether there is a diagnosis of the present data whose proposals are the only effects added since.
+    /// Whether a diagnosis applies: of the present inputs, or of the same data with only its proposals added since.
     #[must_use]
     pub fn diagnosis_is_current(&self) -> bool {
         self.current_diagnosis().is_some()

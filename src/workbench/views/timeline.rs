@@ -128,7 +128,7 @@ fn play(
     vec![ViewCommand::Pose(step)]
 }
 
-/// Whether the poses are samples of a recording of a motion.
+/// Whether the poses are samples of a recording of a motion, by their mean interval.
 fn is_recording(labels: &[i64], times_s: &[f64]) -> bool {
     match (times_s, labels.len()) {
         ([first, .., last], count) if times_s.len() == count => {

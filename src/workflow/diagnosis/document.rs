@@ -253,7 +253,7 @@ pub struct ErrorDocument {
     pub of_cable: Option<String>,
     /// Period in the unit of the variable, with the form "wave".
     pub period: Option<f64>,
-    /// Root mean square over the readings (SI); null if it was not estimated.
+    /// Root mean square over the readings about its mean (SI); null if it was not estimated.
     pub rms: Option<f64>,
 }
 

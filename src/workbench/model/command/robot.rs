@@ -78,7 +78,7 @@ pub enum RobotCommand {
 }
 
 impl RobotCommand {
-    /// Whether the command ends a connection.
+    /// Whether the command ends the present connection; connecting replaces it.
     pub(crate) fn disconnects(&self) -> bool {
         matches!(
             self,

@@ -228,7 +228,7 @@ pub struct LivePlatform {
     pub pose: Pose,
     /// Positions since the operation began (m).
     pub trail: Arc<Vec<Vec3>>,
-    /// Whether the platform rests after a stop.
+    /// Whether the platform rests after a stopped operation.
     pub is_stopped: bool,
     /// Tension of each cable (N); empty or NaN if unknown.
     pub tensions_n: Vec<f64>,

@@ -94,7 +94,7 @@ pub struct Link {
     pub polls_when_idle: bool,
     /// Trail of the current or last operation.
     pub trail: Trail,
-    /// Whether the platform rests after a stop.
+    /// Whether the last operation was stopped; the platform may still brake.
     pub is_stopped: bool,
 }
 
@@ -173,7 +173,7 @@ impl Link {
         self.run.as_ref().is_some_and(|run| !run.has_ended())
     }
 
-    /// Whether a measuring run moves the robot and is not paused.
+    /// Whether a measuring run is active: not paused, and its controller armed.
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         let run = self.run.as_ref().filter(|run| !run.has_ended());

@@ -95,7 +95,7 @@ pub struct Draft {
     pub untrusted: Option<(Box<UntrustedServer>, bool)>,
     /// Error of the last attempt to connect.
     pub refused: Option<String>,
-    /// Whether the dialog closes once connected.
+    /// Set while connecting from this dialog, which then closes.
     pub connects: bool,
 }
 

@@ -55,7 +55,7 @@ impl PartialEq for PosesKey {
 }
 
 impl SceneKey {
-    /// Whether the measured poses are the same, wherever the platform is.
+    /// Whether the drawn poses are the same; the platform may be elsewhere.
     pub fn has_poses_of(&self, other: &Self) -> bool {
         self.session == other.session
             && same(self.fit.as_ref(), other.fit.as_ref())

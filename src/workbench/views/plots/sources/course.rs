@@ -59,7 +59,7 @@ impl CourseReading {
 /// Interval (s) above which samples are separate poses instead of a recording.
 const APART_S: f64 = 1.0;
 
-/// Whether readings were recorded over time.
+/// Whether most samples are less than [`APART_S`] apart, and there are readings to plot.
 fn has_times(session: &Session) -> bool {
     let times = &session.measurements.time_s;
     let close = times.windows(2).filter(|pair| pair[1] - pair[0] < APART_S);
