@@ -101,7 +101,9 @@ fn allow_for_wrong_drawing(
         *found = other;
         return Ok(false);
     }
-    let Some(evidence) = drawing_evidence(&dataset.robot, &other.extended_solution) else {
+    let solution = &other.extended_solution;
+    let evidence = drawing_evidence(&dataset.robot, solution).filter(|_| solution.converged());
+    let Some(evidence) = evidence else {
         return Ok(false);
     };
     // Errors that wider places leave are none of the drawing, which is then judged by the readings of the other cables.

@@ -81,12 +81,8 @@ struct TestedPattern {
 }
 
 impl Displacements {
-    /// `None` for a fit that did not converge: its covariance is not that of an estimate.
     fn of(robot: &Robot, solution: &Solution) -> Option<Self> {
-        let covariance = solution
-            .covariance
-            .as_ref()
-            .filter(|_| solution.converged())?;
+        let covariance = solution.covariance.as_ref()?;
         let mut places = Vec::new();
         let mut columns = Vec::new();
         let (mut values, mut stated) = (Vec::new(), Vec::new());
@@ -274,15 +270,16 @@ pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<Drawing
     })
 }
 
-/// The pattern in the places of the pulleys that stands out most, if there is one at a significance level, or if the drawing is
-/// known to be wrong.
+/// The pattern in the places of the pulleys that stands out most in a fit that converged, if there is one at a significance level,
+/// or if the drawing is known to be wrong.
 pub(super) fn wrong_drawing(
     robot: &Robot,
     solution: &Solution,
     level: f64,
     is_known: bool,
 ) -> Option<WrongDrawing> {
-    let tested = Displacements::of(robot, solution)?.tested(robot, is_known);
+    let estimated = Displacements::of(robot, solution).filter(|_| solution.converged())?;
+    let tested = estimated.tested(robot, is_known);
     let count = tested.len() as f64;
     let with_survival = tested.into_iter().filter_map(|one| {
         let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
