@@ -51,8 +51,8 @@ pub use json::{
 pub use opcua_key::OpcUaKey;
 pub use phases::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomePose, HomeReading, PhaseData,
-    WinchPair, read_check, read_elongation, read_force, read_home, read_winch, write_check,
-    write_elongation, write_force, write_home, write_winch,
+    PoseDistance, WinchPair, read_check, read_elongation, read_force, read_home, read_winch,
+    write_check, write_elongation, write_force, write_home, write_winch,
 };
 pub use plan_table::{read_plan, write_plan};
 pub use plots::{PlotArea, PlotShare, Plots};

@@ -474,7 +474,7 @@ fn of_kind(residual: &RowResidual, kind: ObservationKind) -> f64 {
         ObservationKind::TrackerPosition(axis) => residual.tracked_m[axis],
         ObservationKind::TrackerOrientation(axis) => residual.tracked_rotation_rad[axis],
         ObservationKind::Inclination(axis) => residual.inclination_rad[axis],
-        ObservationKind::Equilibrium(_) => f64::NAN,
+        ObservationKind::Equilibrium(_) | ObservationKind::Distance(_) => f64::NAN,
     }
 }
 

@@ -203,18 +203,9 @@ fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldO
 
 /// Kind of reading of a row; `None` for equilibrium equations and priors.
 pub(super) fn quantity_of(kind: RowKind) -> Option<Quantity> {
-    use crate::estimation::ObservationKind as Kind;
     match kind {
-        RowKind::Observation(Kind::Length(_)) => Some(Quantity::Length),
-        RowKind::Observation(Kind::Tension(_)) => Some(Quantity::Tension),
-        RowKind::Observation(Kind::Laser) => Some(Quantity::Laser),
-        RowKind::Observation(Kind::Swivel(_)) => Some(Quantity::Swivel),
-        RowKind::Observation(Kind::Inclination(_)) => Some(Quantity::Inclination),
-        RowKind::Observation(Kind::TrackerPosition(_)) => Some(Quantity::TrackerPosition),
-        RowKind::Observation(Kind::TrackerOrientation(_)) => Some(Quantity::TrackerOrientation),
-        RowKind::Observation(Kind::Equilibrium(_))
-        | RowKind::AssumedTension(_)
-        | RowKind::Prior(_) => None,
+        RowKind::Observation(kind) => Quantity::of(kind),
+        RowKind::AssumedTension(_) | RowKind::Prior(_) => None,
     }
 }
 

@@ -18,29 +18,18 @@ impl ReadingId {
     /// The reading of a row; `None` for equilibrium equations, and for priors except those that represent the tension
     /// readings at home.
     pub(super) fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
-        let (quantity, cable, component) = match row.kind {
+        let kind = match row.kind {
             RowKind::AssumedTension(_) => return None,
             RowKind::Prior(index) => match linear.parameters[index].id {
-                ParameterId::HomeTension { cable } => (Quantity::Tension, Some(cable), None),
+                ParameterId::HomeTension { cable } => ObservationKind::Tension(cable),
                 _ => return None,
             },
-            RowKind::Observation(kind) => match kind {
-                ObservationKind::Equilibrium(_) => return None,
-                ObservationKind::Length(cable) => (Quantity::Length, Some(cable), None),
-                ObservationKind::Tension(cable) => (Quantity::Tension, Some(cable), None),
-                ObservationKind::Laser => (Quantity::Laser, None, None),
-                ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable), None),
-                ObservationKind::TrackerPosition(k) => (Quantity::TrackerPosition, None, Some(k)),
-                ObservationKind::TrackerOrientation(k) => {
-                    (Quantity::TrackerOrientation, None, Some(k))
-                }
-                ObservationKind::Inclination(k) => (Quantity::Inclination, None, Some(k)),
-            },
+            RowKind::Observation(kind) => kind,
         };
         Some(Self {
-            quantity,
-            cable,
-            component,
+            quantity: Quantity::of(kind)?,
+            cable: kind.cable(),
+            component: kind.component(),
         })
     }
 }

@@ -8,7 +8,7 @@ use super::drawing::{DrawingPattern, WrongDrawing};
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
 use crate::effect::{BoundEffect, Effect, OnEachCable};
-use crate::estimation::Solution;
+use crate::estimation::{ObservationKind, Solution};
 use crate::geometry::Pose;
 use crate::measurement::Variable;
 use crate::robot::Robot;
@@ -30,11 +30,13 @@ pub enum Quantity {
     TrackerPosition,
     /// Orientation by the external instrument.
     TrackerOrientation,
+    /// Distance between two poses.
+    Distance,
 }
 
 impl Quantity {
     /// All kinds of readings.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Length,
         Self::Tension,
         Self::Laser,
@@ -42,7 +44,24 @@ impl Quantity {
         Self::Inclination,
         Self::TrackerPosition,
         Self::TrackerOrientation,
+        Self::Distance,
     ];
+
+    /// The kind of an observation; `None` for the equilibrium, which no sensor reads.
+    #[must_use]
+    pub fn of(kind: ObservationKind) -> Option<Self> {
+        Some(match kind {
+            ObservationKind::Length(_) => Self::Length,
+            ObservationKind::Tension(_) => Self::Tension,
+            ObservationKind::Laser => Self::Laser,
+            ObservationKind::Swivel(_) => Self::Swivel,
+            ObservationKind::Inclination(_) => Self::Inclination,
+            ObservationKind::TrackerPosition(_) => Self::TrackerPosition,
+            ObservationKind::TrackerOrientation(_) => Self::TrackerOrientation,
+            ObservationKind::Distance(_) => Self::Distance,
+            ObservationKind::Equilibrium(_) => return None,
+        })
+    }
 
     /// Name in files.
     #[must_use]
@@ -55,6 +74,7 @@ impl Quantity {
             Self::Inclination => "inclination",
             Self::TrackerPosition => "tracker position",
             Self::TrackerOrientation => "tracker orientation",
+            Self::Distance => "distance",
         }
     }
 }

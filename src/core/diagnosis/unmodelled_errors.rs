@@ -275,10 +275,12 @@ impl UnmodelledError {
                 Quantity::TrackerOrientation | Quantity::Inclination => {
                     Some(format!(" about {}", AXES[k]))
                 }
-                Quantity::Length | Quantity::Laser | Quantity::Tension | Quantity::Swivel => None,
+                _ => None,
             });
         let in_words = match self.readings.quantity {
-            Quantity::Length | Quantity::Laser | Quantity::TrackerPosition => millimetres,
+            Quantity::Length | Quantity::Laser | Quantity::TrackerPosition | Quantity::Distance => {
+                millimetres
+            }
             Quantity::Tension => newtons,
             Quantity::Swivel | Quantity::Inclination | Quantity::TrackerOrientation => degrees,
         };

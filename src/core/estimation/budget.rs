@@ -41,6 +41,8 @@ pub enum UncertaintySource {
     Inclinometer,
     /// Noise of the external instrument.
     ExternalInstrument,
+    /// Noise of measured distances and of the poses that they connect.
+    Distances,
     /// Measured home pose.
     HomePose,
     /// Entry points on the drawing.
@@ -82,6 +84,7 @@ impl UncertaintySource {
             Self::SwivelSensors => "swivel_sensors".to_owned(),
             Self::Inclinometer => "inclinometer".to_owned(),
             Self::ExternalInstrument => "external_instrument".to_owned(),
+            Self::Distances => "distances".to_owned(),
             Self::HomePose => "home_pose".to_owned(),
             Self::Drawing => "drawing".to_owned(),
             Self::TargetPlane => "target_plane".to_owned(),
@@ -103,6 +106,7 @@ impl UncertaintySource {
                 Self::ExternalInstrument
             }
             ObservationKind::Inclination(_) => Self::Inclinometer,
+            ObservationKind::Distance(_) => Self::Distances,
         }
     }
 
@@ -186,6 +190,7 @@ impl CovarianceBySource {
             }
         }
         add(&at.home());
+        add(&at.distances());
         add(&at.priors());
         let whole = (information.values()).fold(DMatrix::zeros(n, n), |sum, one| sum + one);
         let covariance = covariance_of(&whole)?;

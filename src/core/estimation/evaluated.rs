@@ -1,5 +1,6 @@
 //! A problem evaluated at given parameters and poses: the starting point of analysis and linearisation.
 
+use super::distances::{DistanceState, Distances, has_distances};
 use super::evaluator::{Evaluator, Parts};
 use super::globals::Globals;
 use super::home::HomeRow;
@@ -68,5 +69,23 @@ impl<'a, T: Packet> Evaluated<'a, T> {
         );
         evaluated.poses.set_detailed();
         evaluated
+    }
+
+    /// The distances, with the poses eliminated at the solution.
+    pub fn distances(&mut self, problem: &Problem<'_>, solution: &Solution) -> Option<Distances> {
+        if !has_distances(problem) {
+            return None;
+        }
+        self.poses.find_tensions();
+        self.poses.assemble(None, 0.0);
+        let state = DistanceState {
+            problem,
+            globals: &solution.globals,
+            parameters: &solution.parameters,
+            map: &self.map,
+            home: &self.home,
+            huber: None,
+        };
+        Distances::evaluate(&state, &self.poses)
     }
 }

@@ -18,6 +18,7 @@ use super::problem::{Poses, Problem};
 use super::solution::Solution;
 use super::system::Priors;
 use crate::kinematics::position_response;
+use crate::measurement::DistanceReading;
 
 /// Kind of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +62,7 @@ pub struct PoseBlock {
 pub struct Linearisation {
     /// Parameters, in the order of the columns.
     pub parameters: Vec<Parameter>,
-    /// Kinds of the rows: pose by pose, then those of the home pose, then priors.
+    /// Kinds of the rows: pose by pose, then those of the home pose, then distances, then priors.
     pub rows: Vec<LinearRow>,
     /// Estimated noise of each row, in its standard deviations, sign as prediction minus reading: one entry per row.
     pub residual: DVector<f64>,
@@ -92,6 +93,7 @@ impl Linearisation {
             first = last;
         }
         blocks.push(at.home());
+        blocks.push(at.distances());
         blocks.push(at.priors());
         let count = blocks.iter().map(|block| block.rows.len()).sum();
         let mut design = DMatrix::zeros(count, solution.parameters.len());
@@ -119,6 +121,16 @@ pub(super) struct LinearBlock {
     pub residual: DVector<f64>,
     /// See [`Linearisation::design`].
     pub design: DMatrix<f64>,
+}
+
+impl LinearBlock {
+    fn empty(parameters: usize) -> Self {
+        Self {
+            rows: Vec::new(),
+            residual: DVector::zeros(0),
+            design: DMatrix::zeros(0, parameters),
+        }
+    }
 }
 
 /// One pose of a linearised problem; names as in [`PoseBlock`].
@@ -247,11 +259,7 @@ impl<'a> LinearisedProblem<'a> {
     pub fn home(&mut self) -> LinearBlock {
         let n = self.solution.parameters.len();
         let Some((row, evaluator)) = &mut self.at.home_evaluator else {
-            return LinearBlock {
-                rows: Vec::new(),
-                residual: DVector::zeros(0),
-                design: DMatrix::zeros(0, n),
-            };
+            return LinearBlock::empty(n);
         };
         let layout = evaluator.layout.clone();
         let present = evaluator.equations_at(0).present.clone();
@@ -271,6 +279,24 @@ impl<'a> LinearisedProblem<'a> {
             design: DMatrix::from_fn(read.len(), n, |i, k| {
                 home.gradients[(read[i] - layout.cables) * n + k]
             }),
+        }
+    }
+
+    /// The distances, with what the readings of the poses leave unknown about them; the rows are independent.
+    pub fn distances(&mut self) -> LinearBlock {
+        let readings = &self.problem.dataset.measurements.distances;
+        let Some(distances) = self.at.distances(self.problem, self.solution) else {
+            return LinearBlock::empty(self.solution.parameters.len());
+        };
+        let row = |(index, reading): (usize, &DistanceReading)| LinearRow {
+            row: Some(reading.rows[0]),
+            kind: RowKind::Observation(ObservationKind::Distance(index)),
+            sd: reading.sd_m,
+        };
+        LinearBlock {
+            rows: readings.iter().enumerate().map(row).collect(),
+            residual: distances.remaining,
+            design: distances.design,
         }
     }
 

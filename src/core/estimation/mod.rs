@@ -7,6 +7,7 @@
 mod analysis;
 mod budget;
 mod covariance;
+mod distances;
 mod evaluated;
 mod evaluator;
 mod expected;

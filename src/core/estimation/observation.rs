@@ -40,6 +40,30 @@ pub enum ObservationKind {
     TrackerOrientation(usize),
     /// Roll, pitch, yaw: 0, 1, 2.
     Inclination(usize),
+    /// Measured distance between two poses, by its index.
+    Distance(usize),
+}
+
+impl ObservationKind {
+    /// Cable of a reading of one cable.
+    #[must_use]
+    pub fn cable(self) -> Option<usize> {
+        match self {
+            Self::Length(cable) | Self::Tension(cable) | Self::Swivel(cable) => Some(cable),
+            _ => None,
+        }
+    }
+
+    /// Axis or angle of a reading with several components.
+    #[must_use]
+    pub fn component(self) -> Option<usize> {
+        match self {
+            Self::TrackerPosition(k) | Self::TrackerOrientation(k) | Self::Inclination(k) => {
+                Some(k)
+            }
+            _ => None,
+        }
+    }
 }
 
 /// One observation at a solution: a reading or an equilibrium equation.

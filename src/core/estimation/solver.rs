@@ -6,6 +6,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::EstimationError;
+use super::distances::{DistanceState, Distances};
 use super::evaluator::{Evaluator, Parts};
 use super::globals::Globals;
 use super::home::{HomeRow, direct_column};
@@ -125,6 +126,7 @@ pub(super) struct LevenbergMarquardt<'a, T: Packet> {
     home_evaluator: Option<Evaluator<'a, f64>>,
     home: HomeRow,
     priors: Priors,
+    distances: Option<Distances>,
     /// Whether the solve started at a known solution.
     is_continued: bool,
 }
@@ -159,13 +161,14 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             globals,
             poses,
             home_evaluator,
+            distances: None,
             is_continued: matches!(start, Start::Known(_)),
         };
         solver.evaluate_home();
         if solver.is_continued {
             solver.poses.find_tensions();
         }
-        solver.poses.assemble(solver.huber, 0.0);
+        solver.assemble(0.0);
         solver
     }
 
@@ -219,12 +222,46 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         self.poses.set_globals(&self.globals, &self.home.lengths);
     }
 
+    /// Moves the poses by the step taken last and accumulates the normal equations there.
+    fn assemble(&mut self, damping: f64) {
+        self.poses.assemble(self.huber, damping);
+        let state = DistanceState {
+            problem: self.problem,
+            globals: &self.globals,
+            parameters: &self.parameters,
+            map: &self.map,
+            home: &self.home,
+            huber: self.huber,
+        };
+        self.distances = Distances::evaluate(&state, &self.poses);
+    }
+
     fn loss(&self) -> f64 {
-        self.poses.sums().loss + self.home.loss + self.priors.loss
+        let distances = self.distances.as_ref().map_or(0.0, |all| all.loss);
+        self.poses.sums().loss + self.home.loss + self.priors.loss + distances
     }
 
     fn system(&self) -> System {
-        System::build(self.poses.sums(), &self.map, &self.home, &self.priors)
+        let mut system = System::build(self.poses.sums(), &self.map, &self.home, &self.priors);
+        if let Some(distances) = &self.distances {
+            system.add_distances(distances);
+        }
+        system
+    }
+
+    /// Reduction of the loss that steps of the poses alone predict.
+    fn reduction_by_poses(&self) -> f64 {
+        let distances = self.distances.as_ref();
+        self.poses.sums().predicted_reduction
+            + distances.map_or(0.0, Distances::predicted_reduction)
+    }
+
+    /// The step of the columns from one of the parameters; poses that distances connect are prepared for theirs.
+    fn column_step(&mut self, step: &[f64]) -> Vec<f64> {
+        for (pose, pull) in self.distances.iter().flat_map(|all| all.pulls(step)) {
+            self.poses.add_to_residual(pose, &pull);
+        }
+        self.map.column_step(&self.home, step)
     }
 
     pub(super) fn run(
@@ -263,7 +300,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             self.damp(search, options.raised(search.damping));
             return None;
         };
-        let predicted = predicted + self.poses.sums().predicted_reduction;
+        let predicted = predicted + self.reduction_by_poses();
         let negligible = match self.problem.method {
             Method::Joint => options.negligible,
             Method::Simple => 0.0,
@@ -304,7 +341,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     fn damp(&mut self, search: &mut SearchState, damping: f64) {
         search.damping = damping;
         search.reduction_before = None;
-        self.poses.assemble(self.huber, damping);
+        self.assemble(damping);
     }
 
     /// Ends once the tensions at which the equilibrium is linearised have settled; each pass brings them closer.
@@ -332,12 +369,12 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         let loss = self.loss();
         let before = (self.globals.clone(), self.home.clone(), self.priors.clone());
         // The poses move first, because their step belongs to the parameters at which they were eliminated.
-        self.poses
-            .take_step(&self.map.column_step(&self.home, step));
+        let columns = self.column_step(step);
+        self.poses.take_step(&columns);
         self.globals.step(self.problem, &self.parameters, step);
         self.evaluate_home();
         let next = options.lowered(search.damping);
-        self.poses.assemble(self.huber, next);
+        self.assemble(next);
         if self.loss() <= loss * (1.0 + accepted_increase) {
             search.reduction_before = (search.damping == 0.0).then_some(predicted);
             search.damping = next;
@@ -355,7 +392,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
 
     /// Takes a step whose outcome is predicted well enough that it need not be evaluated.
     fn take_last_step(&mut self, step: &[f64], predicted: f64, search: &mut SearchState) {
-        let columns = self.map.column_step(&self.home, step);
+        let columns = self.column_step(step);
         self.globals.step(self.problem, &self.parameters, step);
         self.poses.move_poses(&columns);
         search.unevaluated = predicted;
@@ -373,7 +410,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
 
     fn finish(mut self, search: &SearchState, termination: Termination) -> Solution {
         if search.damping != 0.0 {
-            self.poses.assemble(self.huber, 0.0);
+            self.assemble(0.0);
         }
         let chi2 = (self.loss() - search.unevaluated).max(0.0);
         let system = self.system();
@@ -382,8 +419,9 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             .iter()
             .filter(|p| p.prior_sd.is_some())
             .count();
-        let observations =
-            self.poses.sums().readings + self.home.readings + priors as f64 - self.assumed();
+        let distances = self.distances.as_ref().map_or(0, Distances::count);
+        let observations = self.poses.sums().readings + self.home.readings - self.assumed()
+            + (priors + distances) as f64;
         let unknowns = self.poses.sums().coordinates + self.parameters.len() as f64;
         let free = match self.problem.poses {
             Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),

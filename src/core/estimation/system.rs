@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6};
 
 use super::covariance::{covariance_of, is_regular};
+use super::distances::Distances;
 use super::evaluator::{Layout, Sums};
 use super::globals::Globals;
 use super::home::{HomeRow, direct_column};
@@ -217,6 +218,14 @@ impl System {
             }
         }
         system
+    }
+
+    /// Adds the rows that distances leave once the poses are eliminated.
+    pub fn add_distances(&mut self, distances: &Distances) {
+        let design = &distances.design;
+        self.information.gemm_tr(1.0, design, design, 1.0);
+        self.gradient
+            .gemv_tr(1.0, design, &distances.remaining, 1.0);
     }
 
     fn add_row(&mut self, row: &[f64], residual: f64) {

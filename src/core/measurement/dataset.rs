@@ -1,6 +1,6 @@
 //! Measurements in columns; NaN marks a missing reading, an empty column a quantity that was never measured.
 
-use super::Rates;
+use super::{DistanceReading, Rates};
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
@@ -133,6 +133,8 @@ pub struct Measurements {
     /// Sign of the travel of each cable before each row, +1 where it was paid out, if rows in between were left out; otherwise
     /// empty, as it follows from the readings.
     pub travel: Grid,
+    /// Distances between poses.
+    pub distances: Vec<DistanceReading>,
     /// True values of simulated data.
     pub truth: Truth,
     /// Time derivatives of the readings, for samples of a recording in motion; `None` for poses at rest.
@@ -231,6 +233,17 @@ impl Measurements {
         is_read.then(|| Pose::from_parts([0.0; 3], q).orientation)
     }
 
+    /// The distances between rows that have a number, with these numbers.
+    pub(super) fn distances_of(
+        &self,
+        number: impl Fn(usize) -> Option<usize>,
+    ) -> Vec<DistanceReading> {
+        let distances = self.distances.iter();
+        distances
+            .filter_map(|one| one.renumbered(&number))
+            .collect()
+    }
+
     /// The measurements of the given rows, in the given order.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
@@ -263,6 +276,7 @@ impl Measurements {
             tracked_orientation_wxyz: pick(&self.tracked_orientation_wxyz, rows),
             tracked_position_sd_m: pick(&self.tracked_position_sd_m, rows),
             travel: pick_grid(&self.travel),
+            distances: self.distances_of(|row| rows.iter().position(|own| *own == row)),
             truth: Truth {
                 poses: pick(&self.truth.poses, rows),
                 tension_n: pick_grid(&self.truth.tension_n),
@@ -289,6 +303,8 @@ impl Measurements {
         self.travel = Grid::default();
         let (before, added) = (self.len(), other.len());
         let join = Join { before, added };
+        let distances = other.distances_of(|row| Some(before + row));
+        self.distances.extend(distances);
         if other.truth.poses.is_empty() || (self.truth.poses.is_empty() && before > 0) {
             self.truth.poses.clear();
         } else {

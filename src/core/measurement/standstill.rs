@@ -74,6 +74,10 @@ impl Measurements {
         }
         let first: Vec<usize> = standstills.iter().map(|rows| rows.start).collect();
         let mut averaged = self.select(&first);
+        averaged.distances = self.distances_of(|row| {
+            let mut all = standstills.iter();
+            all.position(|rows| rows.contains(&row))
+        });
         for (row, rows) in standstills
             .iter()
             .enumerate()

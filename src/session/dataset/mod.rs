@@ -24,6 +24,7 @@ const FORCE: &str = "force.csv";
 const HOME: &str = "home.csv";
 const ELONGATION: &str = "elongation.csv";
 const CHECK: &str = "check.csv";
+const DISTANCES: &str = "distances.csv";
 
 /// Content of a dataset folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +54,14 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
         robot: &robot.value,
         notices: robot.notices.clone(),
     };
-    let (measurements, lines) = files.require(POSES, read_poses_and_lines)?;
+    let (mut measurements, lines) = files.require(POSES, read_poses_and_lines)?;
+    let labels = &measurements.labels;
+    let distances = files.find(DISTANCES, |reader, file, _| {
+        phases::read_distances(reader, file, labels)
+    })?;
+    measurements.distances = phases::distance_readings(&distances, &measurements);
     let phases = PhaseData {
+        distances,
         check: files.find(CHECK, |reader, file, _| phases::read_check(reader, file))?,
         ..files.phases_1_and_2()?
     };
@@ -142,11 +149,10 @@ impl Files<'_> {
             winch: self.find(WINCH, phases::read_winch)?,
             force: self.find(FORCE, phases::read_force)?,
             home: self.find(HOME, |reader, file, _| phases::read_home(reader, file))?,
-            home_poses: Vec::new(),
             elongation: self.find(ELONGATION, |reader, file, _| {
                 phases::read_elongation(reader, file)
             })?,
-            check: Vec::new(),
+            ..PhaseData::default()
         })
     }
 
@@ -191,6 +197,7 @@ pub fn write_dataset(
         (HOME, phases.home.is_empty()),
         (ELONGATION, phases.elongation.is_empty()),
         (CHECK, phases.check.is_empty()),
+        (DISTANCES, phases.distances.is_empty()),
     ];
     for (name, is_absent) in optional {
         let path = folder.join(name);
@@ -214,6 +221,9 @@ pub fn write_dataset(
     })?;
     write_some(folder, ELONGATION, &phases.elongation, |out, rows| {
         phases::write_elongation(out, rows)
+    })?;
+    write_some(folder, DISTANCES, &phases.distances, |out, rows| {
+        phases::write_distances(out, rows)
     })?;
     write_some(folder, CHECK, &phases.check, |out, rows| {
         phases::write_check(out, rows)

@@ -2,8 +2,10 @@ use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Grid, Measurements};
 
 use super::*;
-use crate::phases::WinchPair;
-use crate::phases::{CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading};
+use crate::phases::{
+    CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PoseDistance,
+    WinchPair,
+};
 
 /// The robot of formats.md, section 1.
 const ROBOT_OF_THE_CONTRACT: &str = r#"
@@ -66,6 +68,12 @@ fn phases() -> PhaseData {
             length_m: 2.0,
             tension_n: 9.0,
             elongation_m: 1e-3,
+        }],
+        distances: vec![PoseDistance {
+            poses: [0, 1],
+            distance_m: 0.25,
+            sd_m: 0.001,
+            point_m: [0.0, 0.01, 0.0],
         }],
         check: vec![CheckRow {
             kind: CheckKind::Pose,

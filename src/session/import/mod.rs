@@ -13,8 +13,8 @@ use crate::error::{Loaded, Location, ReadError, quoted};
 use crate::input_file::open_input;
 use crate::json::{VersionedFile, check_size, kind, parse_object, read_limited, versioned_from};
 use crate::phases::{
-    self, CheckRow, ElongationPoint, ForcePair, HomeReading, WinchPair, read_check,
-    read_elongation, read_home,
+    self, CheckRow, ElongationPoint, ForcePair, HomeReading, PoseDistance, WinchPair, read_check,
+    read_distances, read_elongation, read_home,
 };
 use crate::plan_table::read_plan;
 use crate::poses::{Group, LABEL, PoseColumn, PoseLines, read_poses};
@@ -40,6 +40,8 @@ pub enum Import {
     Home(Vec<HomeReading>),
     /// Elongation of the cables.
     Elongation(Vec<ElongationPoint>),
+    /// Distances between measured poses.
+    Distances(Vec<PoseDistance>),
     /// Poses and paths checked by an external instrument.
     Check(Vec<CheckRow>),
     /// Poses to be measured.
@@ -55,11 +57,12 @@ enum TableKind {
     Force,
     Home,
     Elongation,
+    Distances,
     Check,
 }
 
 /// Tables other than those of poses, and the columns that identify them.
-const MARKS: [(TableKind, &[&str]); 5] = [
+const MARKS: [(TableKind, &[&str]); 6] = [
     (TableKind::Winch, &["cable", "rev", "length_m"]),
     (TableKind::Force, &["cable", "reading_n", "load_n"]),
     (TableKind::Home, &["sensor", "reading"]),
@@ -68,13 +71,17 @@ const MARKS: [(TableKind, &[&str]); 5] = [
         &["length_m", "tension_n", "elongation_m"],
     ),
     (
+        TableKind::Distances,
+        &["pose_a", "pose_b", "distance_m", "sd_m"],
+    ),
+    (
         TableKind::Check,
         &["kind", "target", "cycle", "cmd_x_m", "cmd_y_m", "cmd_z_m"],
     ),
 ];
 
 const EXPECTED: &str = "expected a session, a robot, a dataset folder, or a table of poses, \
-                          a plan, or winch, force, home, elongation or check readings";
+                          a plan, or winch, force, home, elongation, distance or check readings";
 const OTHERS: &str = "files of other programs are read by `tautline import`";
 
 /// Reads a file or folder of any kind; tables are read for the robot of the session `into`.
@@ -203,6 +210,11 @@ fn import_table(
         TableKind::Force => phases::read_force(bytes, file, robot()?)?.map(Import::Force),
         TableKind::Home => read_home(bytes, file)?.map(Import::Home),
         TableKind::Elongation => read_elongation(bytes, file)?.map(Import::Elongation),
+        TableKind::Distances => {
+            let labels = into.map_or(&[][..], |session| &session.measurements.labels);
+            robot()?;
+            read_distances(bytes, file, labels)?.map(Import::Distances)
+        }
         TableKind::Check => read_check(bytes, file)?.map(Import::Check),
     })
 }
@@ -222,6 +234,7 @@ impl TableKind {
             Self::Force => "a table of force readings",
             Self::Home => "a table of home readings",
             Self::Elongation => "a table of elongations",
+            Self::Distances => "a table of distances",
             Self::Check => "a table of checked poses",
         }
     }

@@ -1,6 +1,7 @@
 //! Raw data of the phases around the poses: plain rows, one file each.
 
 mod check;
+mod distance;
 mod elongation;
 mod force;
 mod home;
@@ -18,12 +19,14 @@ use crate::error::{Loaded, ReadError};
 use crate::table::{Table, TableRow};
 pub(crate) use check::PoseColumns;
 pub use check::{CheckKind, CheckPose, CheckRow, read_check, write_check};
+pub(crate) use distance::distance_readings;
+pub use distance::{PoseDistance, read_distances, write_distances};
 pub use elongation::{ElongationPoint, read_elongation, write_elongation};
 pub use force::{ForcePair, read_force, write_force};
 pub use home::{HomePose, HomeReading, read_home, write_home};
 pub use winch::{WinchPair, read_winch, write_winch};
 
-/// Raw data of phases 1, 2 and 5; empty if not measured.
+/// Raw data beside the measured poses; empty if not measured.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct PhaseData {
@@ -38,6 +41,9 @@ pub struct PhaseData {
     pub home_poses: Vec<HomePose>,
     /// Elongation measurements of phase 2 (`elongation.csv`).
     pub elongation: Vec<ElongationPoint>,
+    /// Distances between measured poses (`distances.csv`).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub distances: Vec<PoseDistance>,
     /// Poses and paths checked by an external instrument in phase 5 (`check.csv`).
     pub check: Vec<CheckRow>,
 }

@@ -121,3 +121,27 @@ fn checks_read_back_with_and_without_orientation() {
     let read = read_check(bare.as_bytes(), "check.csv").expect("read");
     assert_eq!(read.value[0].attained.orientation_wxyz, None);
 }
+
+#[test]
+fn distances_read_back_and_wrong_ones_are_refused() {
+    let text = "pose_a,pose_b,distance_m,sd_m,point_z_m\n0,2,0.25,0.001,\n2,5,1.5,0.0005,-0.1\n";
+    let read = |text: &str| read_distances(text.as_bytes(), "distances.csv", &[0, 2, 5]);
+    let distances = read(text).expect("distances").value;
+    assert_eq!(distances[1].point_m, [0.0, 0.0, -0.1]);
+    let mut written = Vec::new();
+    write_distances(&mut written, &distances).expect("written");
+    let written = String::from_utf8(written).expect("text");
+    assert_eq!(read(&written).expect("distances").value, distances);
+    for (from, to) in [
+        ("0,2", "2,2"),
+        ("0,2", "0,3"),
+        ("0.25", "-1"),
+        ("0.001", "0"),
+    ] {
+        let error = read(&text.replacen(from, to, 1)).expect_err("an error");
+        assert!(
+            error.to_string().starts_with("distances.csv, line 2"),
+            "{error}"
+        );
+    }
+}

@@ -58,6 +58,12 @@ pub(super) fn phases(phases: &PhaseData, robot: &Robot) -> Checked {
         finite(&at, "tension_n", point.tension_n)?;
         finite(&at, "elongation_m", point.elongation_m)?;
     }
+    for (k, one) in phases.distances.iter().enumerate() {
+        let at = format!("/phases/distances/{k}");
+        positive(&at, "distance_m", one.distance_m)?;
+        positive(&at, "sd_m", one.sd_m)?;
+        numbers(&at, "point_m", &one.point_m)?;
+    }
     check_rows("/phases/check", &phases.check)
 }
 

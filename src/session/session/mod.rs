@@ -31,7 +31,7 @@ use tautline_core::robot::{FieldError, Robot};
 use crate::dataset::DatasetFolder;
 use crate::error::{Loaded, ReadError, WriteError, below, fail};
 use crate::json::{parse_versioned, read_versioned, write_versioned};
-use crate::phases::PhaseData;
+use crate::phases::{PhaseData, distance_readings};
 use crate::poses::Columns;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub use certificate::{CalibratedInstrument, CertificateDetails, DecisionRule, day};
@@ -238,6 +238,7 @@ impl Session {
     pub fn of_dataset(name: impl Into<String>, folder: DatasetFolder, now: Timestamp) -> Self {
         let mut session = Self::new(name, folder.dataset.robot, now);
         session.measurements = folder.dataset.measurements;
+        session.measurements.distances.clear();
         session.phases = folder.phases;
         if let Some(time) = folder.measured_at {
             session.created = session.created.min(time);
@@ -264,7 +265,7 @@ impl Session {
         }
         Dataset {
             robot: self.robot.clone(),
-            measurements: self.measurements.select(&kept),
+            measurements: self.with_distances().select(&kept),
         }
     }
 
@@ -273,7 +274,14 @@ impl Session {
     pub fn whole_dataset(&self) -> Dataset {
         Dataset {
             robot: self.robot.clone(),
-            measurements: self.measurements.clone(),
+            measurements: self.with_distances(),
+        }
+    }
+
+    fn with_distances(&self) -> Measurements {
+        Measurements {
+            distances: distance_readings(&self.phases.distances, &self.measurements),
+            ..self.measurements.clone()
         }
     }
 

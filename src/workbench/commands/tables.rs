@@ -54,6 +54,12 @@ fn into(open: &mut OpenSession, file: &str, table: Import) -> Result<Phase, Stri
             open.edit(Edit::SetPhases(Box::new(phases), format!("import {file}")));
             Ok(Phase::Adjustment)
         }
+        Import::Distances(rows) => {
+            let mut phases = open.session().phases.clone();
+            phases.distances = rows;
+            open.edit(Edit::SetPhases(Box::new(phases), format!("import {file}")));
+            Ok(Phase::Measuring)
+        }
         Import::Plan(plan) => {
             open.edit(Edit::SetPlan(plan, format!("import {file}")));
             Ok(Phase::Measuring)

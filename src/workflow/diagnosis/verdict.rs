@@ -212,7 +212,11 @@ impl Diagnosed {
         } else if !self.diagnosis.extended_solution.converged() {
             format!("the fit did not converge, so leave {key} as it is")
         } else {
-            format!("correct {key} in robot.json")
+            let file = match noise.quantity {
+                Quantity::Distance => "distances.csv",
+                _ => "robot.json",
+            };
+            format!("correct {key} in {file}")
         };
         format!("{readings} have {only}{ratio} times the stated noise ({from} to {to}): {advice}.")
     }
@@ -253,5 +257,6 @@ fn noise_key(quantity: Quantity) -> &'static str {
         Quantity::Inclination => "inclinometer.sd_rad",
         Quantity::TrackerPosition => "tracker.position_sd_m",
         Quantity::TrackerOrientation => "tracker.orientation_sd_rad",
+        Quantity::Distance => "sd_m",
     }
 }

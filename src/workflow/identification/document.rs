@@ -54,6 +54,9 @@ pub struct Rms {
     pub laser_m: Option<f64>,
     /// Residuals of the tension readings (N).
     pub tension_n: Option<f64>,
+    /// Residuals of the distances between poses (m).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_m: Option<f64>,
 }
 
 /// One fitted pose.

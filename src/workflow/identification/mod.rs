@@ -266,6 +266,8 @@ impl Identification {
                 length_m: (self.analysis).rms(|kind| matches!(kind, ObservationKind::Length(_))),
                 laser_m: self.analysis.rms(|kind| kind == ObservationKind::Laser),
                 tension_n: (self.analysis).rms(|kind| matches!(kind, ObservationKind::Tension(_))),
+                distance_m: (self.analysis)
+                    .rms(|kind| matches!(kind, ObservationKind::Distance(_))),
             },
             poses: poses.collect(),
             effects: self.effects(),

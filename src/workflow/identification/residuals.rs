@@ -10,16 +10,7 @@ pub const RESIDUAL: &str = "Prediction minus reading";
 /// Quantity and cable of a reading; `None` for the equilibrium of forces, which no sensor reads.
 #[must_use]
 pub fn group_of(kind: ObservationKind) -> Option<(Quantity, Option<usize>)> {
-    Some(match kind {
-        ObservationKind::Length(cable) => (Quantity::Length, Some(cable)),
-        ObservationKind::Tension(cable) => (Quantity::Tension, Some(cable)),
-        ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable)),
-        ObservationKind::Laser => (Quantity::Laser, None),
-        ObservationKind::TrackerPosition(_) => (Quantity::TrackerPosition, None),
-        ObservationKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, None),
-        ObservationKind::Inclination(_) => (Quantity::Inclination, None),
-        ObservationKind::Equilibrium(_) => return None,
-    })
+    Some((Quantity::of(kind)?, kind.cable()))
 }
 
 /// All readings, without the equations of equilibrium, which no sensor reads.

@@ -213,7 +213,7 @@ impl ValueStatistics {
 #[must_use]
 pub fn unit_of_reading(quantity: Quantity) -> &'static str {
     match quantity {
-        Quantity::Length | Quantity::Laser | Quantity::TrackerPosition => "m",
+        Quantity::Length | Quantity::Laser | Quantity::TrackerPosition | Quantity::Distance => "m",
         Quantity::Tension => "N",
         Quantity::Swivel | Quantity::Inclination | Quantity::TrackerOrientation => "rad",
     }

@@ -66,6 +66,7 @@ pub fn reading_name(robot: &Robot, kind: ObservationKind) -> String {
         ObservationKind::TrackerPosition(k) => format!("measured position {}", axis(k)),
         ObservationKind::TrackerOrientation(k) => format!("measured rotation about {}", axis(k)),
         ObservationKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
+        ObservationKind::Distance(_) => "distance to another pose".to_owned(),
     }
 }
 

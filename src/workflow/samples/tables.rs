@@ -34,9 +34,8 @@ pub fn bench(
         winch: winches(robot, deviations, rng),
         force: forces(robot, deviations, rng),
         home: home_readings(robot, home, rng),
-        home_poses: Vec::new(),
         elongation: elongation(robot, rng),
-        check: Vec::new(),
+        ..PhaseData::default()
     }
 }
 

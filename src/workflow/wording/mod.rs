@@ -112,6 +112,7 @@ pub fn readings(quantity: Quantity, cable: Option<&str>) -> String {
         Quantity::Inclination => "the inclinometer's readings",
         Quantity::TrackerPosition => "the external instrument's positions",
         Quantity::TrackerOrientation => "the external instrument's orientations",
+        Quantity::Distance => "the measured distances",
     };
     match cable {
         Some(cable) => format!("{readings} of {cable}"),

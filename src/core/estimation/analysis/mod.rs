@@ -18,6 +18,7 @@ use poses::AnalysePoses;
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::distances::Distances;
 use super::evaluated::Evaluated;
 use super::evaluator::Evaluator;
 use super::observation::{DetectionTest, Observation, ObservationKind};
@@ -185,7 +186,8 @@ impl WithSimd for Dispatch<'_> {
 fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
     let (problem, solution) = (dispatch.problem, dispatch.solution);
     let mut at = Evaluated::<T>::at(token, problem, solution, dispatch.division);
-    let own = covariance_at(&mut at, problem, solution);
+    let distances = at.distances(problem, solution);
+    let own = covariance_at(&mut at, problem, solution, distances.as_ref());
     let covariance = own.as_ref();
     let by_column = covariance.map(|c| at.map.column_covariance(&at.home, c));
     let collector = || Collector {
@@ -206,11 +208,15 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
         home_readings.extend(home.instruments(evaluator, &at.home));
         home_readings.extend(home.tensions());
     }
-    let mut home_readings = home_readings.into_iter();
+    let readings = &problem.dataset.measurements.distances;
+    let distances = distances.map(|all| all.observations(readings, covariance));
+    let mut others = home_readings
+        .into_iter()
+        .chain(distances.into_iter().flatten());
     let with_home = || {
-        // The readings at home precede those of the first part.
+        // The readings at home and the distances precede those of the first part.
         let mut collector = collector();
-        home_readings.by_ref().for_each(|one| collector.add(one));
+        others.by_ref().for_each(|one| collector.add(one));
         collector
     };
     let parts = at.poses.work_out(with_home, |evaluator, collector| {
@@ -240,12 +246,17 @@ fn covariance_at<T: Packet>(
     at: &mut Evaluated<'_, T>,
     problem: &Problem<'_>,
     solution: &Solution,
+    distances: Option<&Distances>,
 ) -> Option<DMatrix<f64>> {
     solution.covariance.as_ref()?;
     at.poses.find_tensions();
     at.poses.assemble(None, 0.0);
     let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
-    System::build(at.poses.sums(), &at.map, &at.home, &priors).covariance()
+    let mut system = System::build(at.poses.sums(), &at.map, &at.home, &priors);
+    distances
+        .into_iter()
+        .for_each(|all| system.add_distances(all));
+    system.covariance()
 }
 
 /// Standard deviation of a reading in a row packed by `evaluator` (SI units).
@@ -278,6 +289,7 @@ pub(super) fn sd_of<T: Packet>(
             .and_then(|t| t.orientation_sd_rad)
             .unwrap_or(f64::NAN),
         ObservationKind::Inclination(_) => robot.inclinometer.map_or(f64::NAN, |i| i.sd_rad),
+        ObservationKind::Distance(k) => problem.dataset.measurements.distances[k].sd_m,
     }
 }
 
@@ -329,6 +341,12 @@ impl Collector<'_> {
         if self.keeps_all {
             self.observations.push(reading);
         }
+    }
+
+    /// Whether a distance moves the pose of a row; its readings are then not independent of it, and are not tested singly.
+    fn is_connected(&self, row: usize) -> bool {
+        let mut distances = self.problem.dataset.measurements.distances.iter();
+        distances.any(|one| one.rows.contains(&row))
     }
 
     /// Appends the readings of later poses.

@@ -111,6 +111,7 @@ impl Layout {
             | Kind::TrackerPosition(_)
             | Kind::TrackerOrientation(_)
             | Kind::Inclination(_) => self.effects_of_platform(),
+            Kind::Distance(_) => &[],
         }
     }
 

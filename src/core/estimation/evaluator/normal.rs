@@ -173,7 +173,8 @@ impl<T: Packet> Elimination<T> {
             Kind::Tension(_)
             | Kind::TrackerPosition(_)
             | Kind::TrackerOrientation(_)
-            | Kind::Inclination(_) => {}
+            | Kind::Inclination(_)
+            | Kind::Distance(_) => {}
         }
         let effects = &equations.by_effect[layout.effect_range(row)];
         for (column, e) in layout.effects_of(row).iter().zip(effects) {

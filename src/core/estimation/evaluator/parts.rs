@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use super::inputs::{Selection, contexts_of};
 use super::layout::Layout;
-use super::normal::Sums;
+use super::normal::{Elimination, Sums};
 use super::steps::LARGEST_STORE;
 use super::{Evaluator, Globals, Pose, Problem};
+use crate::estimation::distances::has_distances;
 use crate::estimation::options::Division;
 use crate::measurement::Grid;
 use crate::real::Packet;
@@ -51,7 +52,11 @@ impl<'a, T: Packet> Parts<'a, T> {
             };
             let start = &start[range];
             let mut part = Evaluator::build(token, problem, globals, selection, start);
-            part.eliminated.largest_store = LARGEST_STORE / count;
+            // Distances act on the stored elimination.
+            part.eliminated.largest_store = match has_distances(problem) {
+                true => usize::MAX,
+                false => LARGEST_STORE / count,
+            };
             part
         };
         Self {
@@ -82,6 +87,18 @@ impl<'a, T: Packet> Parts<'a, T> {
     pub fn part_with(&mut self, pose: usize) -> (&mut Evaluator<'a, T>, usize) {
         let size = self.poses_per_part;
         (&mut self.parts[pose / size], pose % size)
+    }
+
+    /// Elimination of pose number `pose` by the last pass, which has stored it.
+    pub fn elimination(&self, pose: usize) -> Elimination<f64> {
+        let size = self.poses_per_part;
+        self.parts[pose / size].elimination_of(pose % size)
+    }
+
+    /// Adds to the eliminated residual of pose number `pose`, see [`Evaluator::add_to_residual`].
+    pub fn add_to_residual(&mut self, pose: usize, more: &[f64; 6]) {
+        let (part, index) = self.part_with(pose);
+        part.add_to_residual(index, more);
     }
 
     /// Layout of rows and columns.

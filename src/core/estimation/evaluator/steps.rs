@@ -104,6 +104,30 @@ impl<T: Packet> Evaluator<'_, T> {
         self.batches() * self.stored_per_packet() <= self.eliminated.largest_store
     }
 
+    /// Elimination of one pose by the last pass, which has stored it.
+    pub fn elimination_of(&self, index: usize) -> Elimination<f64> {
+        let at = |k: usize| self.eliminated.stored[self.stored_at(index, k)];
+        let column = |c: usize| std::array::from_fn(|k| at(FACTOR_AND_RESIDUAL + 6 * c + k));
+        Elimination {
+            factor: std::array::from_fn(at),
+            residual: std::array::from_fn(|k| at(TRIANGLE + k)),
+            columns: (0..self.layout.columns).map(column).collect(),
+        }
+    }
+
+    /// Adds to the stored `y` of one pose, from which its next step follows.
+    pub fn add_to_residual(&mut self, index: usize, more: &[f64; 6]) {
+        for (k, more) in more.iter().enumerate() {
+            let at = self.stored_at(index, TRIANGLE + k);
+            self.eliminated.stored[at] += more;
+        }
+    }
+
+    fn stored_at(&self, index: usize, scalar: usize) -> usize {
+        let (batch, lane) = (index / T::LANES, index % T::LANES);
+        batch * self.stored_per_packet() + scalar * T::LANES + lane
+    }
+
     fn stored_per_packet(&self) -> usize {
         (FACTOR_AND_RESIDUAL + 6 * self.layout.columns) * T::LANES
     }

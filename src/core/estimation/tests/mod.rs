@@ -4,6 +4,7 @@
 mod assumed_tensions;
 mod budget;
 mod derivatives;
+mod distances;
 mod evaluation;
 mod linearisation;
 mod missing;

@@ -2,6 +2,7 @@
 
 mod asking;
 pub mod controller;
+mod distances;
 pub(in crate::screens) mod motion;
 mod outlook;
 mod poses;
@@ -43,6 +44,7 @@ pub struct PanelState {
     /// Whether the matrix of faults is open.
     shows_faults: bool,
     until: until::UntilState,
+    distances: distances::DistancesInput,
 }
 
 impl PanelState {
@@ -65,6 +67,7 @@ impl Default for PanelState {
             typed: asking::DistanceInput::default(),
             shows_faults: false,
             until: until::UntilState::default(),
+            distances: distances::DistancesInput::default(),
         }
     }
 }
@@ -85,6 +88,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     controller::show(ui, model, outbox);
     run::show(ui, model, panel, outbox);
     table::show(ui, model, panel, outbox);
+    distances::show(ui, model, &mut panel.distances, outbox);
 }
 
 /// Requests the prediction for a plan that was stored with the session, once.

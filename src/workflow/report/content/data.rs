@@ -31,7 +31,7 @@ pub fn section(session: &Session) -> Section {
     for text in sentences(session) {
         section.paragraph(text);
     }
-    section.table(readings(measured));
+    section.table(readings(measured, session.phases.distances.len()));
     section
 }
 
@@ -92,7 +92,7 @@ fn phases(session: &Session) -> String {
     }
 }
 
-fn readings(measured: &Measurements) -> Table {
+fn readings(measured: &Measurements, distances: usize) -> Table {
     let mut table = Table::new(
         "Readings, those of excluded poses included",
         1,
@@ -131,6 +131,7 @@ fn readings(measured: &Measurements) -> Table {
             "Orientations by the external instrument",
             tracked.filter(|q| q.iter().all(|v| v.is_finite())).count(),
         ),
+        ("Distances between poses", distances),
     ] {
         if number > 0 {
             table.push([name.to_owned(), number.to_string()]);

@@ -307,3 +307,78 @@ fn sessions_are_taken_wherever_datasets_are() {
         tautline(&[&["adjust", &dataset], more].concat()).refused(&["--controller: "]);
     }
 }
+
+/// Places of the platform in a table with true poses, by label.
+fn true_places(folder: &Folder) -> Vec<(i64, [f64; 3])> {
+    let table = std::fs::read_to_string(folder.join("data/poses.csv")).expect("a table");
+    let mut lines = table
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().expect("a header");
+    let column = |name: &str| names.iter().position(|own| *own == name).expect("a column");
+    let places = ["true_x_m", "true_y_m", "true_z_m"].map(column);
+    let label = column("pose");
+    let number = |text: &str| text.parse().expect("a number");
+    lines
+        .map(|cells| {
+            let place = places.map(|column| number(cells[column]));
+            (number(cells[label]) as i64, place)
+        })
+        .collect()
+}
+
+/// The distances are computed here from the true poses, to tenths of a millimetre as a tape is read.
+#[test]
+fn a_tape_takes_the_place_of_the_laser() {
+    let folder = Folder::new();
+    tautline(&["new", "planar", "-o", &folder.join("robot.json")]).succeeded();
+    let mut robot = folder.json("robot.json");
+    let fields = robot.as_object_mut().expect("an object");
+    fields.remove("laser");
+    std::fs::write(folder.join("robot.json"), robot.to_string()).expect("written");
+    let dataset = simulate(
+        &folder,
+        &folder.join("robot.json"),
+        12,
+        &["--tolerances", "none"],
+    );
+    let truth = folder.json("data/truth.json");
+    let without = identify(&dataset, &[]).json();
+    let places = true_places(&folder);
+    let mut table = "pose_a,pose_b,distance_m,sd_m\n".to_owned();
+    for ((a, from), (b, to)) in places.iter().zip(&places[3..]) {
+        let squares = from.iter().zip(to).map(|(a, b)| (a - b).powi(2));
+        let distance = squares.sum::<f64>().sqrt();
+        table += &format!("{a},{b},{distance:.4},0.0002\n");
+    }
+    let path = folder.join("data/distances.csv");
+    std::fs::write(&path, &table).expect("written");
+    let with = identify(&dataset, &[]).json();
+    let sd = |result: &Value| -> f64 {
+        let sds = result["entry_points_sd_m"]
+            .as_array()
+            .expect("pulleys")
+            .iter();
+        let axes = sds.flat_map(|one| one.as_array().expect("axes"));
+        axes.filter_map(Value::as_f64)
+            .map(|sd| sd * sd)
+            .sum::<f64>()
+            .sqrt()
+    };
+    assert!(
+        sd(&with) < 0.5 * sd(&without),
+        "{} {}",
+        sd(&with),
+        sd(&without)
+    );
+    // Three times the standard deviation of all eight coordinates together: below 1e-9.
+    assert!(error_m(&with["entry_points_m"], &truth) < 1.5 * sd(&with));
+    assert!(number(&with, "/rms/distance_m") < 0.001);
+    for (from, to, place) in [
+        ("1,4", "1,99", "column pose_b"),
+        (",0.0002", ",0", "column sd_m"),
+    ] {
+        std::fs::write(&path, table.replacen(from, to, 1)).expect("written");
+        tautline(&["identify", &dataset]).refused(&["distances.csv, line", place]);
+    }
+}

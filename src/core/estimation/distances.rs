@@ -1,0 +1,221 @@
+//! Measured distances, which couple two poses each.
+//!
+//! The poses are eliminated one by one from their own readings, see [`super::evaluator`]: with `u = L^T dx + y + Y dg` these
+//! have the loss `u^T u` of the poses' steps `dx` and the common step `dg`. A distance with the whitened residual `r` and the
+//! derivative `D` by the poses is then the row `r' + A' dg + B u` with `B = D L^-T`, `r' = r - B y` and `A' = -B Y`. Its
+//! minimum over `u` is `u = -B^T K^-1 (r' + A' dg)` with `K = 1 + B B^T`, which leaves the rows
+//! `F^-1 (r' + A' dg)`, `K = F F^T`, for the common parameters. A distance does not move a pose along a coordinate that no other
+//! reading determines.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+
+use super::evaluator::{Elimination, Parts};
+use super::globals::Globals;
+use super::home::HomeRow;
+use super::observation::{Observation, ObservationKind};
+use super::parameter::{Parameter, ParameterId};
+use super::problem::{Poses, Problem};
+use super::system::ColumnMap;
+use crate::geometry::Pose;
+use crate::measurement::DistanceReading;
+use crate::real::Packet;
+
+/// The distances of a problem at a state, with the poses eliminated.
+#[derive(Debug, Clone)]
+pub(super) struct Distances {
+    /// Whitened residuals `r`, prediction minus reading.
+    residuals: DVector<f64>,
+    /// `F^-1 r'`.
+    pub remaining: DVector<f64>,
+    /// `F^-1 A'`: distances x parameters.
+    pub design: DMatrix<f64>,
+    /// `B`: for each distance the poses, by their order among the estimated ones, with three or six of its numbers.
+    by_pose: Vec<Vec<(usize, [f64; 6])>>,
+    /// Factor of `K`.
+    factor: Cholesky<f64, Dyn>,
+    /// Loss of the distances at the present poses.
+    pub loss: f64,
+}
+
+/// The state that the distances are evaluated at.
+pub(super) struct DistanceState<'s> {
+    pub problem: &'s Problem<'s>,
+    pub globals: &'s Globals,
+    pub parameters: &'s [Parameter],
+    pub map: &'s ColumnMap,
+    pub home: &'s HomeRow,
+    pub huber: Option<f64>,
+}
+
+/// Whether distances take part in a problem.
+pub(super) fn has_distances(problem: &Problem<'_>) -> bool {
+    problem.poses == Poses::Estimated && !problem.dataset.measurements.distances.is_empty()
+}
+
+impl Distances {
+    /// Evaluates the distances at poses that were eliminated last where they are now; `None` if there are none.
+    pub fn evaluate<T: Packet>(state: &DistanceState<'_>, poses: &Parts<'_, T>) -> Option<Self> {
+        if !has_distances(state.problem) {
+            return None;
+        }
+        let readings = &state.problem.dataset.measurements.distances;
+        let at: Vec<(usize, Pose)> = poses.poses().collect();
+        let order = |row: usize| at.iter().position(|(own, _)| *own == row);
+        let mut eliminations: Vec<Option<Elimination<f64>>> = vec![None; at.len()];
+        let (count, n) = (readings.len(), state.parameters.len());
+        let mut own = Self {
+            residuals: DVector::zeros(count),
+            remaining: DVector::zeros(count),
+            design: DMatrix::zeros(count, n),
+            by_pose: vec![Vec::new(); count],
+            factor: DMatrix::identity(count, count).cholesky()?,
+            loss: 0.0,
+        };
+        for (k, reading) in readings.iter().enumerate() {
+            let places = reading.rows.map(order);
+            let pose = |place: Option<usize>| place.map_or(state.globals.home, |p| at[p].1);
+            let (mut residual, mut by_pose) = linearised(reading, places.map(pose));
+            own.loss += weighed_down(&mut residual, &mut by_pose, state.huber);
+            own.residuals[k] = residual;
+            let mut columns = vec![0.0; poses.layout().columns];
+            for (place, slopes) in places.into_iter().zip(by_pose) {
+                let Some(place) = place else {
+                    add_home_slopes(&mut own.design, k, state.parameters, &slopes);
+                    continue;
+                };
+                let elimination =
+                    eliminations[place].get_or_insert_with(|| poses.elimination(place));
+                let half = elimination.half_solve(slopes);
+                residual -= dot(&half, &elimination.residual);
+                for (sum, column) in columns.iter_mut().zip(&elimination.columns) {
+                    *sum -= dot(&half, column);
+                }
+                own.by_pose[k].push((place, half));
+            }
+            own.remaining[k] = residual;
+            let mapped = state.map.map_row(state.home, &columns);
+            for (parameter, slope) in mapped.into_iter().enumerate() {
+                own.design[(k, parameter)] += slope;
+            }
+        }
+        own.factor = own.coupling().cholesky()?;
+        let lower = own.factor.l();
+        lower.solve_lower_triangular_mut(&mut own.remaining);
+        lower.solve_lower_triangular_mut(&mut own.design);
+        Some(own)
+    }
+
+    /// `K = 1 + B B^T`.
+    fn coupling(&self) -> DMatrix<f64> {
+        let count = self.by_pose.len();
+        DMatrix::from_fn(count, count, |i, k| {
+            let pairs = self.by_pose[i].iter().flat_map(|(place, half)| {
+                let others = self.by_pose[k].iter();
+                let same = others.filter(move |(other, _)| other == place);
+                same.map(move |(_, other)| dot(half, other))
+            });
+            f64::from(u8::from(i == k)) + pairs.sum::<f64>()
+        })
+    }
+
+    /// Number of distances.
+    pub fn count(&self) -> usize {
+        self.residuals.len()
+    }
+
+    /// Reduction of the loss that steps of the poses alone predict, beside that of their own readings.
+    pub fn predicted_reduction(&self) -> f64 {
+        self.residuals.norm_squared() - self.remaining.norm_squared()
+    }
+
+    /// `-u` of the poses that distances connect, for a common step: what is added to `y` before the poses move.
+    pub fn pulls(&self, step: &[f64]) -> Vec<(usize, [f64; 6])> {
+        let mut weights = &self.remaining + &self.design * DVector::from_column_slice(step);
+        let upper = self.factor.l().transpose();
+        upper.solve_upper_triangular_mut(&mut weights);
+        let ends = self.by_pose.iter().zip(&weights);
+        ends.flat_map(|(ends, weight)| {
+            let pull = move |(place, half): &(usize, [f64; 6])| (*place, half.map(|b| b * weight));
+            ends.iter().map(pull)
+        })
+        .collect()
+    }
+
+    /// The distances as observations. With the covariance `C` of the parameters the redundancy is the diagonal of
+    /// `K^-1 - K^-1 A' C A'^T K^-1`.
+    pub fn observations(
+        &self,
+        readings: &[DistanceReading],
+        covariance: Option<&DMatrix<f64>>,
+    ) -> Vec<Observation> {
+        let inverse = self.factor.inverse();
+        let upper = self.factor.l().transpose();
+        let gradients = upper.solve_upper_triangular(&self.design);
+        let observation = |(k, reading): (usize, &DistanceReading)| {
+            let taken = covariance
+                .zip(gradients.as_ref())
+                .map(|(covariance, gradients)| {
+                    let own = gradients.row(k);
+                    (own * covariance).dot(&own)
+                });
+            Observation {
+                row: reading.rows[0],
+                kind: ObservationKind::Distance(k),
+                standardised: self.residuals[k],
+                sd: reading.sd_m,
+                redundancy: taken.map(|taken| inverse[(k, k)] - taken),
+                pull: None,
+            }
+        };
+        readings.iter().enumerate().map(observation).collect()
+    }
+}
+
+/// Whitened residual of a distance and its derivatives by the two poses (translation, rotation vector; base frame).
+fn linearised(reading: &DistanceReading, poses: [Pose; 2]) -> (f64, [[f64; 6]; 2]) {
+    let arms = poses.map(|pose| pose.orientation * Vector3::from(reading.point_m));
+    let points = [0, 1].map(|k| poses[k].position + arms[k]);
+    let between: Vector3<f64> = points[1] - points[0];
+    let distance = between.norm();
+    // Two poses at one place have no direction between them, which moves neither.
+    let along = between / (distance.max(f64::MIN_POSITIVE) * reading.sd_m);
+    let slopes = |sign: f64, arm: &Vector3<f64>| {
+        let (along, turned) = (along * sign, arm.cross(&along) * sign);
+        [along.x, along.y, along.z, turned.x, turned.y, turned.z]
+    };
+    let residual = (distance - reading.distance_m) / reading.sd_m;
+    (residual, [slopes(-1.0, &arms[0]), slopes(1.0, &arms[1])])
+}
+
+/// Weighs down a residual beyond the limit of a robust loss, and returns its loss.
+fn weighed_down(residual: &mut f64, by_pose: &mut [[f64; 6]; 2], huber: Option<f64>) -> f64 {
+    let size = residual.abs();
+    let Some(limit) = huber.filter(|limit| size > *limit) else {
+        return size * size;
+    };
+    let weight = (limit / size).sqrt();
+    *residual *= weight;
+    by_pose
+        .iter_mut()
+        .flatten()
+        .for_each(|slope| *slope *= weight);
+    limit * (2.0 * size - limit)
+}
+
+/// Adds the derivatives of a distance by the estimated home pose.
+fn add_home_slopes(
+    design: &mut DMatrix<f64>,
+    row: usize,
+    parameters: &[Parameter],
+    slopes: &[f64; 6],
+) {
+    for (column, parameter) in parameters.iter().enumerate() {
+        if let ParameterId::Home(coordinate) = parameter.id {
+            design[(row, column)] += slopes[coordinate.index()];
+        }
+    }
+}
+
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
