@@ -70,6 +70,17 @@ pub fn run(arguments: &Arguments, name: &str) -> Result<()> {
     say!("{lines}");
     say!("{}", written.loss_in_words());
     if let Some(out) = &arguments.out {
+        if let (None, Some(bodies)) = (onto, dialect.bodies) {
+            let name = out.file_name().unwrap_or_default().to_string_lossy();
+            match name.strip_suffix("_cables.xml") {
+                Some(name) => {
+                    let beside = out.with_file_name(format!("{name}_bodies.xml"));
+                    write_file(&beside, bodies(model).as_bytes())?;
+                    confirm!("{}: the bodies of {} written", beside.display(), model.name);
+                }
+                None => note!("the bodies are written only beside a file NAME_cables.xml"),
+            }
+        }
         write_file(out, written.text.as_bytes())?;
         confirm!("{}: {} values written", out.display(), written.values.len());
     }

@@ -35,7 +35,8 @@ pub struct Arguments {
     #[arg(value_name = "SESSION|DATASET")]
     dataset: PathBuf,
     /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table; - is CSV on standard output.
-    /// With --for the text of the other program; without it, only the lines that change are printed
+    /// With --for the text of the other program (of caspr the cables: NAME_cables.xml, without --onto with the bodies beside it); without it,
+    /// only the lines that change are printed
     #[arg(short, long, value_name = "FILE", required_unless_present = "dialect")]
     out: Option<OutputFile>,
     /// Write the identified robot, or the model, as the firmware or simulator describes robots, or as constants in Structured Text; what

@@ -17,6 +17,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     is_in: |text| Settings::of_yaml("", text).has("points.0.frame."),
     read,
     new_text,
+    bodies: None,
 };
 
 const NEW: [&str; 3] = [

@@ -1,7 +1,7 @@
 //! Content of robot descriptions, and default assumptions for missing values.
 
-use nalgebra::UnitQuaternion;
-use tautline_core::geometry::{Coordinate, Pose};
+use nalgebra::{Rotation3, UnitQuaternion};
+use tautline_core::geometry::{Coordinate, Pose, Vec3};
 use tautline_core::robot::{
     Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
@@ -178,17 +178,42 @@ pub(super) fn simulated(
 /// Names of the inertia in the order of [`Platform::inertia_kg_m2`].
 pub(super) const INERTIA: [&str; 6] = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"];
 
+/// A text with the coordinates of a point in place of `{word}`, and of `{word.x}`, `{word.y}` and `{word.z}`.
+fn with_point(text: &str, word: &str, point: &[f64], separator: &str) -> String {
+    let mut text = text.replace(&format!("{{{word}}}"), &list(point, separator));
+    for (axis, value) in ["x", "y", "z"].iter().zip(point) {
+        text = text.replace(&format!("{{{word}.{axis}}}"), &list(&[*value], separator));
+    }
+    text
+}
+
+/// The part of a new text for a cable. The columns of a rotation to its swivel axis are `{across}`, `{beside}` and `{swivel}`; the
+/// direction of the first two does not matter.
+pub(super) fn filled_for(part: &str, separator: &str, number: usize, cable: &Cable) -> String {
+    let swivel = Vec3::from(cable.pulley.swivel_axis);
+    let turn = Rotation3::face_towards(&swivel, &Vec3::ith(swivel.iamin(), 1.0));
+    let mut text = part.to_owned();
+    let columns = turn.matrix().column_iter();
+    for (word, column) in ["across", "beside", "swivel"].iter().zip(columns) {
+        text = with_point(&text, word, column.as_slice(), separator);
+    }
+    let name = cable.name.strip_prefix("cable-").unwrap_or(&cable.name);
+    text = with_point(&text, "entry", &cable.pulley.entry_point_m, separator);
+    with_point(&text, "anchor", &cable.platform_anchor_m, separator)
+        .replace("{radius}", &list(&[cable.pulley.radius_m], separator))
+        .replace("{number}", &number.to_string())
+        .replace("{name}", &escaped(&cable.name))
+        .replace("{cable}", &escaped(name))
+}
+
 /// A new text from its beginning, its part for each cable and its end, with the robot's values for the words in braces.
 pub(super) fn filled(parts: [&str; 3], separator: &str, robot: &Robot) -> String {
     let list = |values: &[f64]| list(values, separator);
     let [mut text, of_cable, end] = parts.map(str::to_owned);
-    for cable in &robot.cables {
-        let name = cable.name.strip_prefix("cable-").unwrap_or(&cable.name);
-        text += &of_cable
-            .replace("{cable}", &escaped(name))
-            .replace("{entry}", &list(&cable.pulley.entry_point_m))
-            .replace("{anchor}", &list(&cable.platform_anchor_m));
+    for (number, cable) in (1..).zip(&robot.cables) {
+        text += &filled_for(&of_cable, separator, number, cable);
     }
+    text += &end;
     let platform = &robot.platform;
     let mass_kg = platform.mass_kg.unwrap_or(1.0);
     for (name, value) in INERTIA.iter().zip(inertia_of(platform, mass_kg)) {
@@ -196,12 +221,11 @@ pub(super) fn filled(parts: [&str; 3], separator: &str, robot: &Robot) -> String
     }
     let home = robot.home.map_or(Pose::identity(), |home| home.pose());
     let (roll, pitch, yaw) = home.orientation.euler_angles();
-    text.replace("{mass}", &mass_kg.to_string())
-        .replace("{center}", &list(&platform.center_of_mass_m))
+    with_point(&text, "center", &platform.center_of_mass_m, separator)
+        .replace("{mass}", &mass_kg.to_string())
         .replace("{place}", &list(home.position.as_slice()))
         .replace("{turn}", &list(&[roll, pitch, yaw]))
         .replace("{robot}", &escaped(&robot.name))
-        + &end
 }
 
 /// The robot of a description, which states no noise.

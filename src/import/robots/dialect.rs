@@ -16,6 +16,8 @@ pub enum Meaning {
     EntryPoint(usize),
     /// Coordinate x, y or z of the point of the platform at which a cable ends. Every text that states it expresses the model's.
     Anchor(usize),
+    /// Coordinate x, y or z of such a point from the centre of mass, which stands in another text.
+    AnchorFromMass(usize),
     /// Cable per revolution of a motor, or the radius of a drum.
     CablePerRevolution,
     /// Growth of the drums by the cable on them.
@@ -171,4 +173,6 @@ pub struct Dialect {
     pub read: fn(&str, &str) -> Result<ForeignRobot, ReadError>,
     /// A new text for a robot without effects.
     pub new_text: fn(&Robot) -> String,
+    /// The text of the bodies in a dialect that has them in a file of their own.
+    pub bodies: Option<fn(&Robot) -> String>,
 }

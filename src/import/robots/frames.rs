@@ -22,6 +22,7 @@ pub(super) static URDF: Dialect = Dialect {
     is_in: |text| xml::has_tag(text, "<robot") && !text.contains("<models"),
     read,
     new_text: |robot| filled(NEW_URDF, " ", robot),
+    bodies: None,
 };
 pub(super) static SDF: Dialect = Dialect {
     name: "sdf",

@@ -20,6 +20,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     is_in: |text| Settings::of_sections("", text).text("printer.kinematics") == Some("winch"),
     read,
     new_text,
+    bodies: None,
 };
 
 const ANCHOR: [Setting; 3] = [

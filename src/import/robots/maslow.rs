@@ -23,6 +23,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     },
     read,
     new_text,
+    bodies: None,
 };
 
 const CORNERS: [&str; 4] = ["tl", "tr", "bl", "br"];

@@ -23,14 +23,13 @@ use tautline_session::{Loaded, Location, ReadError, open_input};
 pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Setting};
 pub use places::PartPlaces;
 pub(crate) use places::places_of;
-use xml::Element;
 
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
 impl Dialect {
     /// All dialects.
-    pub const ALL: [&'static Self; 7] = [
+    pub const ALL: [&'static Self; 9] = [
         &reprap::DIALECT,
         &maslow::DIALECT,
         &klipper::DIALECT,
@@ -38,6 +37,8 @@ impl Dialect {
         &frames::URDF,
         &frames::SDF,
         &cdpr::DIALECT,
+        &caspr::DIALECT,
+        &wirex::DIALECT,
     ];
 
     /// The dialect of a text, or of its beginning.
@@ -49,9 +50,7 @@ impl Dialect {
 
 /// Whether a text, or its beginning, describes a robot.
 pub(crate) fn is_description(text: &str) -> bool {
-    let tags = ["<cables", "<links", "<models"];
-    Dialect::of(text).is_some()
-        || text.starts_with('<') && tags.iter().any(|tag| text.contains(tag))
+    Dialect::of(text).is_some() || xml::has_tag(text, "<links")
 }
 
 /// Reads a text file that describes a robot.
@@ -67,7 +66,7 @@ pub fn read_description_text(path: &Path) -> Result<String, ReadError> {
     Ok(text)
 }
 
-/// Reads a robot description: a text in one of the dialects, the two files of cables and bodies of CASPR, or a model of WireX.
+/// Reads a robot description: a text in one of the dialects, or the two files of cables and bodies of CASPR.
 ///
 /// # Errors
 /// If a file is none of these, or does not describe a robot with one platform.
@@ -76,7 +75,7 @@ pub(crate) fn read_described(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadErr
     for path in paths {
         let file = path.display().to_string();
         let text = read_description_text(path)?;
-        if let Some(dialect) = Dialect::of(&text) {
+        if let Some(dialect) = Dialect::of(&text).filter(|one| one.bodies.is_none()) {
             if paths.len() > 1 {
                 let message = "describes a whole robot, expected no other file beside it";
                 return Err(ReadError::new(&file, Location::File, message));
@@ -89,7 +88,6 @@ pub(crate) fn read_described(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadErr
         let slot = match root.name.as_str() {
             "cables" => &mut cables,
             "links" | "bodies_system" => &mut bodies,
-            "models" => return wirex::robot(&file, &root),
             name => {
                 let message = format!(
                     "found <{name}>, expected <robot> of URDF, <sdf>, <mujoco>, <cables> or <bodies_system> of CASPR or <models> of WireX"

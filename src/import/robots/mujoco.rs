@@ -21,6 +21,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     is_in: |text| xml::has_tag(text, "<mujoco"),
     read,
     new_text,
+    bodies: None,
 };
 
 /// Largest distance of a pulley's cylinder from touching its axis (m).

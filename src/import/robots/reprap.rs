@@ -28,6 +28,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     is_in: |text| Settings::of_gcode("", text).text("M669 A.0").is_some(),
     read,
     new_text,
+    bodies: None,
 };
 
 /// Letters of the anchors in the order of the motors.

@@ -41,7 +41,8 @@ impl<'t> Settings<'t> {
         }
     }
 
-    fn push(&mut self, key: String, value: &str) {
+    /// Adds the value of a key.
+    pub(super) fn push(&mut self, key: String, value: &str) {
         let value = value.trim();
         let start = value.as_ptr() as usize - self.text.as_ptr() as usize;
         self.all.push((key, start..start + value.len()));

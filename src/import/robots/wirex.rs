@@ -6,12 +6,39 @@
 //! without a radius has 0.1 m. Lengths are in metres.
 //! Source: A. Pott, WireX (WireLib: `CRobotData::getXmlNode`, `CKinematics::fncPulley`), XML versions 0.31 and 0.32.
 
+use Coordinate::{Rz, X, Y, Z};
 use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
-use super::Element;
-use super::description::{Description, Guide, cable_of, robot_of};
+use super::description::{Description, Guide, cable_of, filled, robot_of};
+use super::dialect::{Dialect, ForeignRobot, Setting};
+use super::settings::Settings;
+use super::xml::{self, Element};
+
+pub(super) static DIALECT: Dialect = Dialect {
+    name: "wirex",
+    has_winches: false,
+    is_in: |text| xml::has_tag(text, "<models"),
+    read,
+    new_text,
+    bodies: None,
+};
+
+const NEW: [&str; 3] = [
+    "<models version=\"0.32\">\n  <robot motionpattern=\"{pattern}\">\n    <geometry>\n",
+    "      <chain id=\"{number}\">\n        <base x=\"{entry.x}\" y=\"{entry.y}\" z=\"{entry.z}\" a11=\"{across.x}\" a21=\"{across.y}\" a31=\"{across.z}\" a12=\"{beside.x}\" a22=\"{beside.y}\" a32=\"{beside.z}\" a13=\"{swivel.x}\" a23=\"{swivel.y}\" a33=\"{swivel.z}\" radius=\"{radius}\" />\n        <platform x=\"{anchor.x}\" y=\"{anchor.y}\" z=\"{anchor.z}\" a11=\"1\" a21=\"0\" a31=\"0\" a12=\"0\" a22=\"1\" a32=\"0\" a13=\"0\" a23=\"0\" a33=\"1\" />\n      </chain>\n",
+    "    </geometry>\n    <platform name=\"{robot}\" mass=\"{mass}\">\n      <centerofgravity x=\"{center.x}\" y=\"{center.y}\" z=\"{center.z}\" />\n    </platform>\n  </robot>\n</models>\n",
+];
+
+/// Motion patterns with the coordinates of the platform. A platform that moves in any other way gets the first one in a new text.
+const PATTERNS: [(&str, &[Coordinate]); 5] = [
+    ("3R3T", &Coordinate::ALL),
+    ("1R2T", &[X, Y, Rz]),
+    ("3T", &[X, Y, Z]),
+    ("2T", &[X, Y]),
+    ("1T", &[X]),
+];
 
 /// Default pulley radius of WireX (m).
 const RADIUS_M: f64 = 0.1;
@@ -22,7 +49,35 @@ const DEFAULT_PLATFORM: (f64, [f64; 3]) = (25.0, [0.0, 1.0, 0.2]);
 /// Maximum deviation of the length of a swivel axis from 1, due to rounding to four digits.
 const AXIS_TOLERANCE: f64 = 1e-3;
 
-pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadError> {
+fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
+    let models = xml::parse(text, file)?;
+    let read = robot(file, &models)?;
+    let mut settings = Settings::new(file, text);
+    let geometry = models.child("robot").and_then(|one| one.child("geometry"));
+    let chains = geometry.into_iter().flat_map(|one| one.of_kind("chain"));
+    for (chain, cable) in chains.zip(&read.value.cables) {
+        let rows: [fn(usize) -> Setting; 2] = [Setting::entry, Setting::anchor];
+        for (end, row) in ["base", "platform"].into_iter().zip(rows) {
+            let key = format!("{} {end}", cable.name);
+            for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+                let at = chain.child(end).and_then(|end| end.place(name));
+                let value = at.and_then(|at| text.get(at)).unwrap_or_default();
+                settings.push(format!("{key}.{axis}"), value);
+            }
+            settings.numbers::<3>(&key, &cable.name, row)?;
+        }
+    }
+    Ok(ForeignRobot::new(read, settings.parameters))
+}
+
+fn new_text(robot: &Robot) -> String {
+    let free = robot.platform.freedom();
+    let is_it = |(_, all): &&(&str, &[Coordinate])| *all == free.coordinates();
+    let (pattern, _) = PATTERNS.iter().find(is_it).unwrap_or(&PATTERNS[0]);
+    filled(NEW, " ", robot).replace("{pattern}", pattern)
+}
+
+fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadError> {
     let mut notices = Vec::new();
     let robots: Vec<&Element> = models.of_kind("robot").collect();
     let [model, others @ ..] = &robots[..] else {
@@ -110,21 +165,12 @@ fn swivel_axis(
 }
 
 fn platform(file: &str, model: &Element, notices: &mut Vec<String>) -> Result<Platform, ReadError> {
-    use Coordinate::{Rz, X, Y, Z};
-    let free = match model.attribute("motionpattern") {
-        None | Some("3R3T") => Coordinate::ALL.to_vec(),
-        Some("1R2T") => vec![X, Y, Rz],
-        Some("3T") => vec![X, Y, Z],
-        Some("2T") => vec![X, Y],
-        Some("1T") => vec![X],
-        Some(pattern) => {
-            let message = format!(
-                "found the motion pattern {}, expected 1T, 2T, 3T, 1R2T or 3R3T",
-                quoted(pattern)
-            );
-            return Err(model.error(file, &message));
-        }
-    };
+    let pattern = model.attribute("motionpattern").unwrap_or(PATTERNS[0].0);
+    let known = PATTERNS.iter().find(|(name, _)| *name == pattern);
+    let (_, free) = known.ok_or_else(|| {
+        let found = format!("found the motion pattern {}", quoted(pattern));
+        model.error(file, &format!("{found}, expected 1T, 2T, 3T, 1R2T or 3R3T"))
+    })?;
     let element = model.child("platform");
     let mass_kg = element
         .map(|element| element.number(file, "mass"))
@@ -147,7 +193,7 @@ fn platform(file: &str, model: &Element, notices: &mut Vec<String>) -> Result<Pl
         ));
     }
     Ok(Platform {
-        free,
+        free: free.to_vec(),
         mass_kg: mass_kg.filter(|mass| !untold && *mass > 0.0),
         center_of_mass_m: center_of_mass_m.filter(|_| !untold).unwrap_or_default(),
         inertia_kg_m2: None,

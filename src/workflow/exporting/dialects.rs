@@ -225,7 +225,7 @@ impl<'a> Target<'a> {
     /// The robot of a changed text, with the drive of the model.
     fn robot_of(&self, text: &str) -> Result<Robot, DialectError> {
         let read = (self.dialect.read)(self.file, text)?;
-        Ok(driven_as(&self.model, self.dialect, read.robot))
+        Ok(driven_as(&self.model, self.dialect, read))
     }
 
     /// The robot of the text with exactly these values.
@@ -264,11 +264,14 @@ impl<'a> Target<'a> {
 
     /// The value of a parameter that is a coordinate of a platform anchor.
     fn anchor(&self, model: &Robot, parameter: &Parameter) -> Option<f64> {
-        let Meaning::Anchor(axis) = parameter.row.meaning else {
-            return None;
+        let (axis, from_m) = match parameter.row.meaning {
+            Meaning::Anchor(axis) => (axis, 0.0),
+            Meaning::AnchorFromMass(axis) => (axis, model.platform.center_of_mass_m[axis]),
+            _ => return None,
         };
         let cable = self.read.robot.cable_index(&parameter.cable)?;
-        Some(model.cables[cable].platform_anchor_m[axis] * parameter.row.unit.1)
+        let anchor_m = model.cables[cable].platform_anchor_m[axis] - from_m;
+        Some(anchor_m * parameter.row.unit.1)
     }
 
     /// Parts of the error `least_m` of the best values, each by something that the text cannot express, the largest first.
@@ -313,9 +316,17 @@ fn in_frame_of(mut model: Robot, read: &Robot, dialect: &Dialect) -> Robot {
     model
 }
 
-/// The robot of a text, at home where the model is. If the text states no winches, it is driven by those of the model along its coordinates.
-fn driven_as(model: &Robot, dialect: &Dialect, mut robot: Robot) -> Robot {
+/// The robot of a text, with home and centre of mass of the model. If the text states no winches, it is driven by those of the model along
+/// its coordinates.
+fn driven_as(model: &Robot, dialect: &Dialect, read: ForeignRobot) -> Robot {
+    let mut robot = read.robot;
     (robot.home, robot.limits) = (model.home, model.limits);
+    for one in read.parameters {
+        let cable = robot.cable_index(&one.cable);
+        if let (Meaning::AnchorFromMass(axis), Some(cable)) = (one.row.meaning, cable) {
+            robot.cables[cable].platform_anchor_m[axis] += model.platform.center_of_mass_m[axis];
+        }
+    }
     if !dialect.has_winches {
         robot.platform.free.clone_from(&model.platform.free);
         for (cable, own) in robot.cables.iter_mut().zip(&model.cables) {
@@ -366,7 +377,9 @@ fn written_value(
             let sd = sd_m.map(|sd_m| sd_m * parameter.row.unit.1);
             (sd, format!("entry point of {name}{pulley}"))
         }
-        (Meaning::Anchor(_), Some(_)) => (None, format!("platform anchor of {name}")),
+        (Meaning::Anchor(_) | Meaning::AnchorFromMass(_), Some(_)) => {
+            (None, format!("platform anchor of {name}"))
+        }
         (Meaning::CablePerRevolution, Some(cable)) => {
             let effects = fit.map(Identification::effects).unwrap_or_default();
             let mut scales = effects.iter().filter(|one| one.effect == "winch_scale");

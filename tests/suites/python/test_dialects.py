@@ -1,5 +1,6 @@
 """What is exported for other programs, judged by these programs: MuJoCo itself, also as a reader of URDF, and the kinematics of
-RepRapFirmware's Hangprinter rewritten from its documentation; SDF and the yaml of cdpr by the positions in them."""
+RepRapFirmware's Hangprinter rewritten from its documentation; SDF and the yaml of cdpr by the positions in them; CASPR and WireX by
+the lengths of cables of their own equations."""
 
 import json
 import re
@@ -356,6 +357,122 @@ def test_a_robot_with_pulleys_loses_them_in_urdf(program: Path, tmp_path: Path) 
     tautline(program, "new", "mini", "-o", tmp_path / "robot.json")
     said = tautline(program, "export", tmp_path / "robot.json", "--for", "urdf")
     assert re.search(r"These lines: 0\.\d\d mm expected; .* Not expressible: pulleys \(", said), said
+
+
+def numbers(element: ET.Element, path: str) -> Array:
+    return np.array((element.findtext(path) or "nan").split(), float)
+
+
+def length_in_caspr(cable: ET.Element, platform: tuple[Array, Array]) -> float:
+    """Length of a cable by the equations of CASPR: the arc on the pulley from where the cable reaches it, then a straight line."""
+    ends = cable.find("attachments")
+    assert ends is not None and [ends[1].tag, ends[1].findtext("link")] == ["attachment", "1"]
+    end = platform[0] + turned(platform[1], numbers(ends[1], "location"))
+    if ends[0].tag == "attachment":
+        assert ends[0].findtext("link") == "0"
+        return float(np.linalg.norm(end - numbers(ends[0], "location")))
+    entry, along, radius = (numbers(ends[0], name) for name in ("fixed_location", "cable_entry_vector", "pulley_radius"))
+    normal = np.cross(along, end - entry)
+    toward = np.cross(normal, along)
+    centre = entry + radius * toward / np.linalg.norm(toward)
+    ratio = radius / np.linalg.norm(end - centre)
+    across = np.cross(normal / np.linalg.norm(normal), end - centre)
+    leaves = centre + ratio**2 * (end - centre) - ratio * np.sqrt(1 - ratio**2) * across
+    arc = radius * np.arccos((entry - centre) @ (leaves - centre) / radius**2)
+    return float(arc[0] + np.linalg.norm(end - leaves))
+
+
+def length_in_wirex(chain: ET.Element, platform: tuple[Array, Array]) -> float:
+    """Length of a cable by the equations of WireX: angles at the centre of the pulley, which swivels about the third axis of its frame."""
+
+    def vector(end: str, *names: str) -> Array:
+        found = chain.find(end)
+        assert found is not None
+        return np.array([found.get(name) for name in names], float)
+
+    turn = vector("base", *(f"a{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3))).reshape(3, 3)
+    assert np.abs(turn @ turn.T - np.eye(3)).max() < 1e-8 and np.linalg.det(turn) > 0
+    radius, end = vector("base", "radius")[0], platform[0] + turned(platform[1], vector("platform", *"xyz"))
+    way = turn.T @ (end - vector("base", *"xyz"))
+    beside = np.hypot(way[0], way[1]) - radius
+    distance = np.hypot(beside, way[2])
+    # From the entry point round to the cable that leaves: the angle of the end of the cable, less that between it and the tangent.
+    angle = np.arctan2(way[2], -beside) % (2 * np.pi) - np.arccos(radius / distance)
+    return float(angle * radius + np.sqrt(distance**2 - radius**2))
+
+
+@pytest.mark.parametrize("dialect", ["caspr", "wirex"])
+def test_other_programs_have_cables_as_long_as_ours(dialect: str, program: Path, tmp_path: Path) -> None:
+    file, out = tmp_path / "robot.json", tmp_path / "mini_cables.xml"
+    tautline(program, "new", "mini", "-o", file)
+    robot = json.loads(file.read_text())
+    if dialect == "caspr":
+        robot["cables"][2]["pulley"]["radius_m"] = 0
+    robot["platform"]["center_of_mass_m"] = [0.001, 0.002, 0.003]
+    file.write_text(json.dumps(robot))
+    said = tautline(program, "export", file, "--for", dialect, "-o", out)
+    assert "These lines: 0.00 mm expected" in said and "Not expressible" not in said
+    text, root = out.read_text(), ET.parse(out).getroot()
+    if dialect == "caspr":
+        # CASPR finds the set by an attribute of the type ID, and stops at a cable without limits.
+        assert "<!ATTLIST cable_set id ID #REQUIRED>" in text
+        cables = list(root.findall(f"cable_set[@id='{root.get('default_cable_set')}']/*"))
+        assert all(cable.findtext("properties/force_max") for cable in cables)
+        assert [cable.get("name") for cable in cables] == [cable["name"] for cable in robot["cables"]]
+        link = ET.parse(tmp_path / "mini_bodies.xml").getroot().find("links/link_rigid")
+        assert link is not None
+        joint = link.find("joint")
+        assert joint is not None and joint.get("type") == "SPATIAL_EULER_XYZ"
+        start = np.array((joint.get("q_initial") or "").split(), float)
+        assert np.abs(start[:3] - robot["home"]["position_m"]).max() < 1e-8
+        assert np.abs(numbers(link, "physical/com_location") - robot["platform"]["center_of_mass_m"]).max() < 1e-8
+    else:
+        cables = list(root.findall("robot/geometry/chain"))
+    length = length_in_caspr if dialect == "caspr" else length_in_wirex
+    for position, quaternion in random_poses(np.array(robot["home"]["position_m"]), 50):
+        for found, cable in zip(cables, robot["cables"], strict=True):
+            pulley = cable["pulley"]
+            anchor = position + turned(quaternion, np.array(cable["platform_anchor_m"]))
+            entry, axis, radius = np.array(pulley["entry_point_m"]), np.array(pulley["swivel_axis"]), pulley["radius_m"]
+            ours = path_length(anchor, entry, axis, radius) if radius else np.linalg.norm(anchor - entry)
+            assert abs(length(found, (position, quaternion)) - ours) < 1e-5
+
+
+CASPR = """<cables default_cable_set="mine">
+  <!-- measured in May -->
+  <cable_set id="mine">
+{cables}  </cable_set>
+</cables>
+"""
+CASPR_CABLE = """    <cable_ideal name="{0}" attachment_reference="com">
+      <properties><force_min>5</force_min><force_max>300</force_max></properties> <!-- {0} -->
+      <attachments>
+        <attachment><link>0</link><location>{1}</location></attachment>
+        <attachment><link>1</link><location>{2}</location></attachment>
+      </attachments>
+    </cable_ideal>
+"""
+
+
+def test_cables_that_end_relative_to_the_centre_of_mass_are_corrected(program: Path, tmp_path: Path) -> None:
+    """The file of the cables does not have the centre of mass: it is that of the model, which has it from the bodies."""
+    robot = robot_of_eyelets(program, tmp_path)
+    centre, cables = np.array(robot["platform"]["center_of_mass_m"]), ""
+    for cable in robot["cables"]:
+        drawn = np.round(cable["pulley"]["entry_point_m"], 1), np.round(cable["platform_anchor_m"] - centre, 2)
+        cables += CASPR_CABLE.format(cable["name"], *(" ".join(map(str, point)) for point in drawn))
+    mine, out = tmp_path / "mine.xml", tmp_path / "new.xml"
+    text = CASPR.format(cables=cables)
+    mine.write_text(text)
+    said = tautline(program, "export", tmp_path / "robot.json", "--for", "caspr", "--onto", mine, "-o", out)
+    assert "These lines: 0.00 mm expected" in said
+    for found, cable in zip(ET.parse(out).getroot().iter("cable_ideal"), robot["cables"], strict=True):
+        entry, anchor = (numbers(end, "location") for end in found.iter("attachment"))
+        assert np.abs(entry - cable["pulley"]["entry_point_m"]).max() < 2e-5
+        assert np.abs(anchor + centre - cable["platform_anchor_m"]).max() < 1e-6
+    places = re.compile(r"<location>[^<]*")
+    assert mine.read_text() == text
+    assert places.sub("", out.read_text()) == places.sub("", text)
 
 
 MINE = """<robot name="mine">

@@ -1,11 +1,74 @@
 //! The cables of a set: attachments, stiffness and limits of the tension.
 
 use tautline_core::geometry::Vec3;
-use tautline_core::robot::{Cable, Platform, TensionLimits};
+use tautline_core::robot::{Cable, Platform, Robot, TensionLimits};
 use tautline_session::{ReadError, quoted};
 
-use super::super::description::{Guide, cable_of};
+use super::super::description::{Guide, cable_of, filled_for};
+use super::super::dialect::{Meaning, Setting};
+use super::super::settings::Settings;
 use super::Element;
+
+/// Parts of a new file of the cables. CASPR finds their set by an `id` of the type ID.
+const CABLES: &str = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<!DOCTYPE cables [<!ATTLIST cable_set id ID #REQUIRED>]>\n<cables default_cable_set=\"calibrated\">\n  <cable_set id=\"calibrated\">\n{cables}  </cable_set>\n</cables>\n";
+const CABLE: &str = "    <{kind} name=\"{name}\" attachment_reference=\"joint\">\n      <properties>{stiffness}<force_min>{least}</force_min><force_max>{most}</force_max></properties>\n      <attachments>\n        {base}\n        <attachment><link>1</link><location>{anchor}</location></attachment>\n      </attachments>\n    </{kind}>\n";
+const PULLEY: &str = "<base_rotating_pulley><fixed_location>{entry}</fixed_location><pulley_radius>{radius}</pulley_radius><cable_entry_vector>{swivel}</cable_entry_vector></base_rotating_pulley>";
+const POINT: &str = "<attachment><link>0</link><location>{entry}</location></attachment>";
+
+/// A new file of the cables. CASPR needs limits of the tension: without them none is too large.
+pub(super) fn new_text(robot: &Robot) -> String {
+    let tension = robot.limits.and_then(|limits| limits.tension);
+    let [least, most] = tension.map_or([0.0, f64::INFINITY], |all| [all.lower_n, all.upper_n]);
+    let cable = |cable: &Cable| {
+        let (kind, stiffness) = match cable.cable.axial_stiffness_n {
+            Some(stiffness_n) => ("cable_linear_spring", format!("<K>{stiffness_n}</K>")),
+            None => ("cable_ideal", String::new()),
+        };
+        let is_point = cable.pulley.radius_m == 0.0;
+        let part = CABLE.replace("{base}", if is_point { POINT } else { PULLEY });
+        let part = part
+            .replace("{kind}", kind)
+            .replace("{stiffness}", &stiffness);
+        filled_for(&part, " ", 0, cable)
+    };
+    let cables: String = robot.cables.iter().map(cable).collect();
+    CABLES
+        .replace("{cables}", &cables)
+        .replace("{least}", &least.to_string())
+        .replace("{most}", &most.to_string())
+}
+
+/// Makes the points of cables, whose elements are those of a set, parameters.
+pub(super) fn add_points(
+    set: &Element,
+    cables: &[Cable],
+    settings: &mut Settings<'_>,
+) -> Result<(), ReadError> {
+    for (element, cable) in set.children.iter().zip(cables) {
+        let all = element.child("attachments");
+        for (number, end) in (0..).zip(all.iter().flat_map(|all| &all.children)) {
+            let (part, row): (_, fn(usize) -> Setting) = match (number, reference(element, end)) {
+                (0, _) => ("base", Setting::entry),
+                (_, Some("com")) => ("platform", |axis| Setting {
+                    meaning: Meaning::AnchorFromMass(axis),
+                    ..Setting::anchor(axis)
+                }),
+                _ => ("platform", Setting::anchor),
+            };
+            let point = end.child("fixed_location").or(end.child("location"));
+            if let Some(at) = point.and_then(Element::text_place) {
+                settings.point(&format!("{} {part}", cable.name), at, &cable.name, row)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The point of the platform from which the end of a cable is placed.
+fn reference<'x>(cable: &'x Element, end: &'x Element) -> Option<&'x str> {
+    let mut stated = [end, cable].into_iter();
+    stated.find_map(|of| of.attribute("attachment_reference"))
+}
 
 /// The default set of cables, or the first one; a notice names the others.
 pub(super) fn cable_set<'a>(
@@ -122,6 +185,7 @@ pub(super) fn tension_limits(
         let properties = element.child("properties");
         let of = |name: &str| -> Result<Option<f64>, ReadError> {
             let stated = properties.and_then(|properties| properties.child(name));
+            let stated = stated.filter(|one| !one.text().eq_ignore_ascii_case("inf"));
             let value = stated.map(|stated| stated.numbers::<1>(file)).transpose()?;
             Ok(value.map(|[value]| value))
         };
@@ -177,10 +241,7 @@ fn cable(
     let guide = guide(file, base)?;
     check_link(file, end, 1.0)?;
     let mut platform_anchor_m = point(file, end, "location")?;
-    let reference = [end, element]
-        .iter()
-        .find_map(|of| of.attribute("attachment_reference"));
-    if reference == Some("com") {
+    if reference(element, end) == Some("com") {
         for (anchor, center) in platform_anchor_m.iter_mut().zip(platform.center_of_mass_m) {
             *anchor += center;
         }

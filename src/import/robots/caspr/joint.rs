@@ -1,11 +1,11 @@
 //! The joint of a platform: in which coordinates it moves, where it starts and how far it may go.
 
 use tautline_core::geometry::{Coordinate, Pose};
-use tautline_core::robot::{FrameTransform, WorkspaceLimits};
+use tautline_core::robot::{FrameTransform, Robot, WorkspaceLimits};
 use tautline_core::simulation::Workspace;
 use tautline_session::{ReadError, quoted};
 
-use super::super::description::pose_of;
+use super::super::description::{list, pose_of};
 use super::Element;
 
 use Coordinate::{Rx, Ry, Rz, X, Y, Z};
@@ -150,6 +150,34 @@ impl Joint {
             orientation_wxyz: pose.orientation_wxyz(),
         }
     }
+}
+
+/// Types of joints in new files. A platform whose coordinates none of them has becomes a free one.
+const WRITTEN: &str =
+    "SPATIAL_EULER_XYZ PLANAR_XY PLANAR_XZ PLANAR_YZ T_XYZ P_XY P_XZ P_X R_X R_Y R_Z S_EULER_XYZ";
+
+/// A new file of the bodies with the joint of a robot, whose variables at home are coordinates of the home, and the space to be drawn.
+pub(super) fn with_joint(text: &str, robot: &Robot) -> String {
+    let free = robot.platform.freedom();
+    let is_it = |kind: &&str| motion(kind, None).is_some_and(|(all, _)| all == free.coordinates());
+    let kind = WRITTEN
+        .split(' ')
+        .find(is_it)
+        .unwrap_or("SPATIAL_EULER_XYZ");
+    let free = motion(kind, None).map_or_else(Vec::new, |(all, _)| all);
+    let home = robot.home.map_or(Pose::identity(), |home| home.pose());
+    // `R = Rx Ry Rz` is the inverse of a rotation about fixed axes by the opposite angles.
+    let (roll, pitch, yaw) = home.orientation.inverse().euler_angles();
+    let [x, y, z] = home.position.into();
+    let size_m = robot.frame_size_m().unwrap_or_default().max(1.0);
+    let range = [x, y, z].map(|at| [at - size_m, at + size_m]);
+    let all = [x, y, z, -roll, -pitch, -yaw];
+    let q: Vec<f64> = free.iter().map(|one| all[one.index()]).collect();
+    let origin = [X, Y, Z].map(|one| f64::from(!free.contains(&one)) * all[one.index()]);
+    text.replace("{joint}", kind)
+        .replace("{q}", &list(&q, " "))
+        .replace("{range}", &list(range.as_flattened(), " "))
+        .replace("{origin}", &list(&origin, " "))
 }
 
 /// Half the range from which on an angle has no limit: files state half or a quarter of a turn, which no platform makes among its

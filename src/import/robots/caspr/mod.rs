@@ -4,7 +4,8 @@
 //! it moves. A robot of ours is one platform on the base. `q_initial` is its home, `q_min` and `q_max` are its workspace.
 //! A cable runs from link 0, the base, to link 1, the platform. At the base it leaves an `attachment`, a point, or a
 //! `base_rotating_pulley`: `fixed_location` is the point that stays when the pulley swivels, our entry point,
-//! `cable_entry_vector` the direction in which the cable reaches it, our swivel axis.
+//! `cable_entry_vector` the direction in which the cable reaches it, our swivel axis. A text in this dialect is the file of the
+//! cables, as a calibration does not change the bodies.
 //! Source: Lau et al., CASPR, 2016, and its classes `JointBase`, `BodyModelRigid`, `CableModelBase`,
 //! `BaseRotatingPulleyAttachment`.
 
@@ -16,11 +17,34 @@ use tautline_core::geometry::Vec3;
 use tautline_core::robot::{Limits, Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
-use super::Element;
 use super::description::{
-    Description, POSITION_SD_M, ROTATION_SD_RAD, home_at, know_normal_to_plane, robot_of,
+    Description, POSITION_SD_M, ROTATION_SD_RAD, filled, home_at, know_normal_to_plane, robot_of,
 };
+use super::dialect::{Dialect, ForeignRobot};
+use super::settings::Settings;
+use super::xml::{self, Element};
 use joint::Joint;
+
+pub(super) static DIALECT: Dialect = Dialect {
+    name: "caspr",
+    has_winches: false,
+    is_in: |text| xml::has_tag(text, "<cables"),
+    read,
+    new_text: cable::new_text,
+    bodies: Some(|robot| joint::with_joint(&filled([BODIES, "", ""], " ", robot), robot)),
+};
+
+/// A new file of the bodies.
+const BODIES: &str = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<bodies_system>\n  <links display_range=\"{range}\" view_angle=\"-37 32\">\n    <link_rigid num=\"1\" name=\"{robot}\">\n      <joint type=\"{joint}\" q_initial=\"{q}\"/>\n      <physical>\n        <mass>{mass}</mass>\n        <com_location>{center}</com_location>\n        <end_location>0 0 0</end_location>\n        <inertia ref=\"com\"><Ixx>{ixx}</Ixx><Iyy>{iyy}</Iyy><Izz>{izz}</Izz><Ixy>{ixy}</Ixy><Ixz>{ixz}</Ixz><Iyz>{iyz}</Iyz></inertia>\n      </physical>\n      <parent><num>0</num><location>{origin}</location></parent>\n    </link_rigid>\n  </links>\n</bodies_system>\n";
+
+fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
+    let root = xml::parse(text, file)?;
+    let read = robot(file, &root, None)?;
+    let mut settings = Settings::new(file, text);
+    let set = cable::cable_set(file, &root, &mut Vec::new())?;
+    cable::add_points(set, &read.value.cables, &mut settings)?;
+    Ok(ForeignRobot::new(read, settings.parameters))
+}
 
 pub(super) fn robot(
     file: &str,

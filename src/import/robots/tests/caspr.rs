@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::kinematics::inverse_kinematics;
-use tautline_core::robot::PartTolerances;
+use tautline_core::robot::{PartTolerances, Robot, presets};
 
 use super::*;
 
@@ -16,7 +16,7 @@ const BODIES: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 </links>"#;
 
 /// One cable over a pulley, one from a point; the second is placed by the centre of mass.
-const CABLES: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+pub(super) const CABLES: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 <!DOCTYPE cables SYSTEM "../../../../templates/cables.dtd">
 <cables default_cable_set="used">
   <cable_set id="other"></cable_set>
@@ -423,4 +423,86 @@ fn limits_of_tension_that_contradict_each_other_are_left_out() {
         error.contains("found force_min 50 and force_max 40"),
         "{error}"
     );
+}
+
+/// The robot that CASPR has of the new files of a robot.
+fn written(robot: &Robot) -> Robot {
+    let dialect = Dialect::of(CABLES).expect("a dialect");
+    let bodies = dialect.bodies.expect("bodies")(robot);
+    let cables = (dialect.new_text)(robot);
+    let files = [("a_cables.xml", &*cables), ("a_bodies.xml", &*bodies)];
+    read(&files).expect("a robot").value
+}
+
+#[test]
+fn new_files_are_read_as_the_same_robot() {
+    let mut robot = presets::find("mini").expect("a preset").robot;
+    robot.cables[2].pulley.radius_m = 0.0;
+    robot.cables[3].cable.axial_stiffness_n = None;
+    robot.platform.mass_kg = Some(7.5);
+    robot.platform.center_of_mass_m = [0.01, 0.02, 0.03];
+    robot.platform.inertia_kg_m2 = Some([1.0, 2.0, 2.5, 0.1, 0.2, 0.3]);
+    robot.home.as_mut().expect("a home").orientation_wxyz = [0.8, 0.0, 0.36, 0.48];
+    let again = written(&robot);
+    let close = |found: &[f64], expected: &[f64]| {
+        let pairs = found.iter().zip(expected);
+        pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-8, "{found:?} {expected:?}"));
+    };
+    for (old, new) in robot.cables.iter().zip(&again.cables) {
+        assert_eq!(old.name, new.name);
+        close(&new.pulley.entry_point_m, &old.pulley.entry_point_m);
+        close(&new.platform_anchor_m, &old.platform_anchor_m);
+        close(&[new.pulley.radius_m], &[old.pulley.radius_m]);
+        if old.pulley.radius_m > 0.0 {
+            close(&new.pulley.swivel_axis, &old.pulley.swivel_axis);
+        }
+        assert_eq!(new.cable.axial_stiffness_n, old.cable.axial_stiffness_n);
+    }
+    let limits = |robot: &Robot| robot.limits.and_then(|limits| limits.tension);
+    assert_eq!(limits(&again).is_some(), limits(&robot).is_some());
+    assert_eq!(again.platform.mass_kg, Some(7.5));
+    assert_eq!(again.platform.free, Coordinate::ALL);
+    close(&again.platform.center_of_mass_m, &[0.01, 0.02, 0.03]);
+    let inertia = again.platform.inertia_kg_m2.expect("an inertia");
+    close(&inertia, &[1.0, 2.0, 2.5, 0.1, 0.2, 0.3]);
+    let [old, new] = [&robot, &again].map(|robot| robot.home.expect("a home").pose());
+    assert!(new.difference(&old).norm() < 1e-8);
+}
+
+#[test]
+fn a_planar_robot_keeps_its_joint_and_its_plane() {
+    use Coordinate::{Ry, X, Y, Z};
+    let mut robot = presets::find("mini").expect("a preset").robot;
+    robot.platform.free = vec![X, Z, Ry];
+    let home = robot.home.as_mut().expect("a home");
+    home.position_m = [0.1, 0.2, 0.3];
+    home.orientation_wxyz = [0.8, 0.0, 0.6, 0.0];
+    let again = written(&robot);
+    assert_eq!(again.platform.free, [X, Z, Ry]);
+    let [old, new] = [&robot, &again].map(|robot| robot.home.expect("a home").pose());
+    assert!(new.difference(&old).norm() < 1e-8);
+    robot.platform.free = vec![X, Y, Z, Ry];
+    assert_eq!(written(&robot).platform.free, Coordinate::ALL);
+}
+
+#[test]
+fn the_cables_of_the_user_keep_everything_but_the_numbers() {
+    let dialect = Dialect::of(CABLES).expect("a dialect");
+    assert_eq!(dialect.name, "caspr");
+    let read = (dialect.read)("f", CABLES).expect("a robot");
+    let meanings: Vec<Meaning> = read.parameters.iter().map(|one| one.row.meaning).collect();
+    let points = |of: fn(usize) -> Meaning| [0, 1, 2].map(of);
+    let [entry, anchor] = [Meaning::EntryPoint, Meaning::Anchor].map(points);
+    // The second cable ends at a point that is placed by the centre of mass, which the file does not have.
+    let from_mass = points(Meaning::AnchorFromMass);
+    assert_eq!(meanings, [entry, anchor, entry, from_mass].concat());
+    let mut values: Vec<f64> = read.parameters.iter().map(|one| one.value).collect();
+    (values[1], values[6], values[11]) = (0.25, 4.5, -0.2);
+    let new = CABLES
+        .replace("<fixed_location>0 0 0<", "<fixed_location>0 0.250000 0<")
+        .replace("4 0 3", "4.500000 0 3")
+        .replace("0 0 -0.1<", "0 0 -0.200000<");
+    assert_eq!(read.text_with(CABLES, &values, &rounded), new);
+    let error = (dialect.read)("f", BODIES).expect_err("bodies").to_string();
+    assert!(error.contains("found no cable_set"), "{error}");
 }

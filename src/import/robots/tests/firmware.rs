@@ -114,7 +114,10 @@ fn damaged_texts_are_read_or_refused_in_one_sentence() {
         (state >> 33) as usize % below.max(1)
     };
     let [urdf, world, yaml] = super::simulators::ALL;
-    for text in [PRINTER, MASLOW, config, model, urdf, world, yaml] {
+    let [caspr, wirex] = [super::caspr::CABLES, super::wirex::WIREX];
+    for text in [
+        PRINTER, MASLOW, config, model, urdf, world, yaml, caspr, wirex,
+    ] {
         let dialect = Dialect::of(text).expect("a dialect");
         for _ in 0..400 {
             let mut letters: Vec<char> = text.chars().collect();

@@ -2,11 +2,14 @@ use std::f64::consts::PI;
 
 use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::kinematics::inverse_kinematics;
+use tautline_core::robot::presets;
 
-use super::read;
+use super::{read, rounded};
+use crate::Dialect;
 
 /// One cable over a pulley whose axis is x, one from a point of radius 0; as WireX writes them.
-const WIREX: &str = include_str!("../../../../tests/suites/fuzz/seeds/foreign_file/model.wcrfx");
+pub(super) const WIREX: &str =
+    include_str!("../../../../tests/suites/fuzz/seeds/foreign_file/model.wcrfx");
 
 /// Length of a cable of WireX: the arc from the base point to the tangent point, by the law of cosines in the triangle of
 /// base point, centre of the pulley and anchor, and the straight rest.
@@ -128,4 +131,51 @@ fn what_is_wrong_with_a_model_of_wirex_is_named_with_its_place() {
             .expect_err("old")
             .contains("line 1: <models>: found no <robot>")
     );
+}
+
+#[test]
+fn a_new_model_is_read_as_the_same_robot() {
+    let mut robot = presets::find("mini").expect("a preset").robot;
+    robot.platform.mass_kg = Some(7.5);
+    robot.platform.center_of_mass_m = [0.01, 0.02, 0.03];
+    let dialect = Dialect::of(WIREX).expect("a dialect");
+    let text = (dialect.new_text)(&robot);
+    let again = read(&[("new.wcrfx", &text)]).expect("a robot").value;
+    let close = |found: &[f64], expected: &[f64]| {
+        let pairs = found.iter().zip(expected);
+        pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-8, "{found:?} {expected:?}"));
+    };
+    assert_eq!(again.cables.len(), robot.cables.len());
+    for (old, new) in robot.cables.iter().zip(&again.cables) {
+        assert_eq!(old.name, new.name);
+        close(&new.pulley.entry_point_m, &old.pulley.entry_point_m);
+        close(&new.platform_anchor_m, &old.platform_anchor_m);
+        close(&[new.pulley.radius_m], &[old.pulley.radius_m]);
+        close(&new.pulley.swivel_axis, &old.pulley.swivel_axis);
+    }
+    assert_eq!(again.platform.mass_kg, Some(7.5));
+    close(&again.platform.center_of_mass_m, &[0.01, 0.02, 0.03]);
+    for free in [
+        vec![Coordinate::X, Coordinate::Y, Coordinate::Rz],
+        vec![Coordinate::X, Coordinate::Y],
+        Coordinate::ALL.to_vec(),
+    ] {
+        robot.platform.free.clone_from(&free);
+        let read = (dialect.read)("new", &(dialect.new_text)(&robot));
+        assert_eq!(read.expect("a robot").robot.platform.free, free);
+    }
+}
+
+#[test]
+fn the_model_of_the_user_keeps_everything_but_the_numbers() {
+    let dialect = Dialect::of(WIREX).expect("a dialect");
+    assert_eq!(dialect.name, "wirex");
+    let read = (dialect.read)("f", WIREX).expect("a robot");
+    assert_eq!(read.parameters.len(), 12);
+    let mut values: Vec<f64> = read.parameters.iter().map(|one| one.value).collect();
+    (values[3], values[8]) = (0.125, 3.5);
+    let new = WIREX
+        .replace("<platform x=\"0.1\"", "<platform x=\"0.125000\"")
+        .replace("z=\"3\" radius", "z=\"3.500000\" radius");
+    assert_eq!(read.text_with(WIREX, &values, &rounded), new);
 }

@@ -73,7 +73,7 @@ pub(super) fn correct(model: &mut Model, path: &Path) {
         let corrected = || -> Result<_, String> {
             let text = read_description_text(&path).map_err(|error| error.to_string())?;
             let dialect = Dialect::of(&text).ok_or_else(|| {
-                format!("{file}: found a text of another kind, expected config.g, printer.cfg, maslow.yaml, MJCF, SDF or URDF")
+                format!("{file}: found a text of another kind, expected config.g, printer.cfg, maslow.yaml, MJCF, SDF, URDF, cables of CASPR or WireX")
             })?;
             let written = dialect_text(&fit.model, Some(&fit), dialect, Some((&file, &text)));
             let written = written.map_err(|error| error.to_string())?;
