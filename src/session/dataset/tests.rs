@@ -94,7 +94,10 @@ fn a_folder_reads_back_as_it_was_written() {
     for phases in [PhaseData::default(), phases()] {
         write_dataset(&path, &dataset(), &phases).expect("written");
         let read = read_dataset(&path).expect("a dataset");
-        assert_eq!(read.dataset, dataset());
+        let mut expected = dataset();
+        let distances = crate::phases::distance_readings(&phases.distances, &expected.measurements);
+        expected.measurements.distances = distances;
+        assert_eq!(read.dataset, expected);
         assert_eq!(read.phases, phases);
         assert!(read.notices.is_empty(), "{:?}", read.notices);
     }
