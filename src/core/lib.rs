@@ -32,6 +32,7 @@ pub mod conformance;
 pub mod diagnosis;
 pub mod effect;
 pub mod estimation;
+mod evidence;
 pub mod fitting;
 pub mod geometry;
 pub mod history;

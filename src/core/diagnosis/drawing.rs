@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 use super::budget::MIN_KNOWN_SHARE;
 use super::priors::{PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
+use crate::evidence::Evidence;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
 use crate::statistics::{chi_square_survival, log_sum};
@@ -238,8 +239,7 @@ pub(super) struct DrawingEvidence {
 
 /// The evidence at a fit with wider places, whose prior covariance is `W`; `None` where it has no covariance. The readings are
 /// like Gaussian ones of the displacements with the information `L = C^-1 - W^-1` and the right side `h = C^-1 d`, so that a
-/// prior covariance `S` has the log evidence `(h^T (L + S^-1)^-1 h - log det(1 + S L)) / 2`. A drawing is wrong anywhere, or in
-/// one of the patterns.
+/// prior covariance `S` has the log evidence of [`Evidence`]. A drawing is wrong anywhere, or in one of the patterns.
 pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<DrawingEvidence> {
     let displacements = Displacements::of(robot, wide)?;
     let precision = displacements.estimated.clone().cholesky()?.inverse();
@@ -248,25 +248,21 @@ pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<Drawing
     let information = precision - DMatrix::from_diagonal(&wider.map(f64::recip));
     let of_prior = |prior: &DMatrix<f64>| {
         let root = prior.clone().cholesky()?.unpack();
-        let scaled = root.transpose() * &information * &root;
-        let inner = (scaled + DMatrix::identity(root.nrows(), root.nrows())).cholesky()?;
-        let projected = root.transpose() * &right_side;
-        let explained = projected.dot(&inner.solve(&projected));
-        Some([0.5 * explained, -0.5 * inner.ln_determinant()])
+        Evidence::with_prior(&right_side, &information, &root)
     };
     let patterns: Vec<f64> = (displacements.priors_of_patterns(robot).iter())
-        .filter_map(|prior| Some(of_prior(prior)?.iter().sum()))
+        .filter_map(|prior| Some(of_prior(prior)?.log()))
         .collect();
-    let [explained_by_wider, cost] = of_prior(&DMatrix::from_diagonal(&wider))?;
+    let anywhere = of_prior(&DMatrix::from_diagonal(&wider))?;
     let in_pattern = log_sum(patterns.iter().copied()) - (patterns.len() as f64).ln();
-    let wrong = log_sum([explained_by_wider + cost, in_pattern].into_iter());
+    let wrong = log_sum([anywhere.log(), in_pattern].into_iter());
     let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
-    let [explained_by_stated, cost] = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
-    let of_stated = (1.0 - WRONG_DRAWING).ln() + cost;
+    let stated = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
+    let right = (1.0 - WRONG_DRAWING).ln() + stated.log();
     Some(DrawingEvidence {
-        log_odds: wrong - of_stated - explained_by_stated,
-        of_wider: wrong - explained_by_wider,
-        of_stated,
+        log_odds: wrong - right,
+        of_wider: wrong - anywhere.gain(),
+        of_stated: right - stated.gain(),
     })
 }
 

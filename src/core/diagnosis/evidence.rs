@@ -1,9 +1,5 @@
-//! Log evidence of a set of causes in closed form.
-//!
-//! With the Gram matrix `K` and the score `b` of the columns of a set, in units of their prior, the log evidence
-//! relative to no cause is `1/2 b^T (1 + K)^-1 b - 1/2 log det(1 + K)`. The determinant penalises parameters. A
-//! parameter that cannot be negative has a normal prior truncated at zero, which adds the logarithm of twice the
-//! posterior probability that it is positive. The size prior is a mixture of several scales.
+//! Log evidence of a set of causes: [`crate::evidence`] with the Gram matrix and the score of the columns of the set. The size
+//! prior is a mixture of several scales.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -13,7 +9,8 @@ use super::budget::{MAX_DEFICIT, STRONG_GAIN};
 use super::candidates::Candidate;
 use super::catalogue::log_joint_odds_ratio;
 use super::gram::{CandidateScore, Gram};
-use crate::statistics::{log_normal_cdf, log_sum};
+use crate::evidence::{Evidence, log_determinant, log_positive, of_one};
+use crate::statistics::log_sum;
 
 /// A cause in a set: index of its candidate, and index of its scale.
 pub(super) type Member = (usize, usize);
@@ -116,7 +113,7 @@ impl System {
         for (place, (index, _)) in members.iter().enumerate() {
             log_prior += joint_odds_bonus(gram, &members[..place], *index);
         }
-        let log_determinant = 2.0 * cholesky.l_dirty().diagonal().map(f64::ln).sum();
+        let determinant = log_determinant(&cholesky);
         let solution = cholesky.solve(&score);
         let mut system = Self {
             members: members.to_vec(),
@@ -124,7 +121,7 @@ impl System {
             eliminated,
             explained,
             offset: extension.start,
-            log_posterior: 0.5 * (half.norm_squared() - log_determinant) + log_prior,
+            log_posterior: 0.5 * (half.norm_squared() - determinant) + log_prior,
             estimate: -(&factor * &solution),
             solution,
             matrix: cholesky,
@@ -269,7 +266,7 @@ fn single_column_evidence(
 ) -> f64 {
     let (sd, weight) = candidate.scales[scale];
     let spread = 1.0 + information * sd * sd;
-    let mut value = 0.5 * ((score * sd).powi(2) / spread - spread.ln()) + weight;
+    let mut value = of_one(score * sd, information * sd * sd) + weight;
     if candidate.is_positive {
         value += log_positive(-score * sd * sd / spread, sd * sd / spread);
     }
@@ -307,16 +304,9 @@ impl CandidateScore {
     /// In units of the prior at scale 1: half of the chi-square gain at a scale, and the log evidence.
     fn value(&self, candidate: &Candidate, scale: usize) -> Option<(f64, f64)> {
         let (size, weight) = candidate.scales[scale];
-        let mut matrix = &self.information * (size * size);
-        for k in 0..matrix.nrows() {
-            matrix[(k, k)] += 1.0;
-        }
-        let factor = matrix.cholesky()?;
-        let mut half = &self.score * size;
-        factor.l_dirty().solve_lower_triangular_mut(&mut half);
-        let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-        let gain = 0.5 * half.norm_squared();
-        Some((gain, gain - 0.5 * log_determinant + weight))
+        let score = &self.score * size;
+        let evidence = Evidence::new(score, &self.information * (size * size))?;
+        Some((evidence.gain(), evidence.log() + weight))
     }
 }
 
@@ -364,12 +354,4 @@ fn joint_odds_bonus(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let count = same.count();
     let log = |count| log_joint_odds_ratio(candidate, count, gram.cables);
     log(count + 1) - log(count)
-}
-
-/// Logarithm of twice the probability that a normal variable is positive.
-fn log_positive(mean: f64, variance: f64) -> f64 {
-    if variance <= 0.0 {
-        return 0.0;
-    }
-    std::f64::consts::LN_2 + log_normal_cdf(mean / variance.sqrt())
 }

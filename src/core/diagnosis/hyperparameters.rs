@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 use super::Quantity;
 use super::background::{Group, Shape};
@@ -21,6 +21,7 @@ use super::priors::{
 };
 use super::reading_errors::ReadingErrors;
 use super::reduced_problem::ReducedProblem;
+use crate::evidence::{self, of_size, principal};
 
 /// Variance factor of each class of readings, and amplitude of each background shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -197,7 +198,7 @@ impl LinearProblem {
             normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
         }
         if let Some(factor) = normal.cholesky() {
-            log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+            log_determinant += evidence::log_determinant(&factor);
             divide_by_lower(factor.l_dirty(), &mut eliminated);
         }
         residual -= eliminated.tr_mul(&(&eliminated * &residual));
@@ -418,20 +419,17 @@ fn evidence_of_sizes<const N: usize>(
     present: f64,
     sizes: &[f64; N],
 ) -> [f64; N] {
-    let mut evidence = [0.0; N];
-    let eigen = SymmetricEigen::new(information);
-    let along = eigen.eigenvectors.tr_mul(&score);
-    for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
+    let mut along = principal(&score, information);
+    for [information, score] in &mut along {
         // Removes the size that the columns have at present.
-        let remaining = (1.0 - present * present * value.max(0.0)).max(1e-12);
-        let (value, along) = (value.max(0.0) / remaining, along / remaining);
-        for (evidence, size) in evidence.iter_mut().zip(sizes) {
-            let square = size * size;
-            let spread = 1.0 + square * value;
-            *evidence += 0.5 * (square * along * along / spread - spread.ln());
-        }
+        let remaining = (1.0 - present * present * *information).max(1e-12);
+        *information /= remaining;
+        *score /= remaining;
     }
-    evidence
+    sizes.map(|size| {
+        let [gain, price] = of_size(&along, size);
+        0.5 * (gain - price)
+    })
 }
 
 /// Background functions as whitened conditions. A function is its value at each pose times the whitened unit error of

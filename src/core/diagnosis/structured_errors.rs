@@ -1,18 +1,16 @@
 //! Unmodelled errors: functions of one or two variables in the readings of one kind, of one cable or of all alike.
 //!
 //! The error of a target's readings is `sum_k c_k phi_k(u)`, where the `c_k` are independent normal variables of one
-//! size in standard deviations of the readings as described. The functions are in [`super::error_functions`]. With the
-//! score `b` and the information `K` of the functions, the log evidence relative to no error is
-//! `1/2 b^T (K + 1/s^2)^-1 b - 1/2 log det(1 + s^2 K)`. Thousands of functions are scored with the present noise; the
-//! best are compared exactly, with the noise estimated again. The odds of an error are those of all functions and sizes
-//! together.
+//! size in standard deviations of the readings as described. The functions are in [`super::error_functions`]. Thousands of
+//! functions are scored with the present noise, by [`crate::evidence`]; the best are compared exactly, with the noise estimated
+//! again. The odds of an error are those of all functions and sizes together.
 //!
 //! [`ErrorSearch::find_beside`] looks for errors beside all causes. The part of the functions that effects of the catalogue
 //! express is removed there, so that a cause too small to be found is not reported as an error.
 //! [`ErrorSearch::find_in_place`] looks for errors that explain the readings without some of the causes; there the functions
 //! are complete.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
 
 use super::Quantity;
 use super::budget::{COMPARE_ABOVE, MAX_COMPARED};
@@ -26,6 +24,7 @@ use super::reading_id::ReadingId;
 use super::report::ErrorForm;
 use super::variables::Variables;
 use crate::estimation::{LinearRow, Linearisation};
+use crate::evidence::{of_size, principal};
 use crate::statistics::log_sum;
 
 /// An error of a given form in some readings.
@@ -314,21 +313,15 @@ fn evidence(
         return Vec::new();
     }
     let (score, information) = errors.of(functions);
-    let of_first = (information[(0, 0)], score[0]);
-    let eigen = SymmetricEigen::new(information);
-    let along = eigen.eigenvectors.tr_mul(&score);
+    let first = [[information[(0, 0)].max(0.0), score[0]]];
+    let all = principal(&score, information);
     let at_size = |size: &f64| {
-        let square = size * size;
-        let term = |(value, along): (f64, f64)| {
-            let spread = 1.0 + square * value.max(0.0);
-            (square * along * along / spread, spread.ln())
+        let [gain, price] = of_size(&all, *size);
+        let [own, its_price] = match beyond {
+            true => of_size(&first, *size),
+            false => [0.0, 0.0],
         };
-        let constant = if beyond { term(of_first) } else { (0.0, 0.0) };
-        let pairs = eigen.eigenvalues.iter().copied().zip(along.iter().copied());
-        let (gain, price) = pairs
-            .map(term)
-            .fold((0.0, 0.0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
-        (*size, gain - constant.0, price - constant.1)
+        (*size, gain - own, price - its_price)
     };
     ERROR_SIZES.iter().map(at_size).collect()
 }

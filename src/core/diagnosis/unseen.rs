@@ -1,7 +1,7 @@
 //! Faults that the readings do not exclude, by their size.
 //!
 //! A diagnosis that finds nothing says little as long as the readings could not show a fault. Beside the causes found, the
-//! posterior odds that one more cause is present with at least some size are, with the evidence of [`super::evidence`],
+//! posterior odds that one more cause is present with at least some size are, with the evidence of [`crate::evidence`],
 //!
 //! ```text
 //! odds = sum over scales of  prior odds x evidence x P(|phi| >= size | readings)
@@ -17,6 +17,7 @@ use super::gram::{CandidateScore, Gram};
 use super::relations::is_same_effect_and_targets;
 use super::report::UnseenFault;
 use super::size_posterior::SizePosterior;
+use crate::evidence::Evidence;
 
 /// All faults that are not among the causes of the fit, in the order of the catalogue.
 pub(super) fn unseen_faults(gram: &Gram<'_>, present: &[usize]) -> Vec<UnseenFault> {
@@ -60,24 +61,14 @@ impl SizePosterior {
         typical: f64,
     ) -> Option<Self> {
         let prior = &candidate.prior * scale;
-        let mut precision = prior.tr_mul(&alone.information) * &prior;
-        for k in 0..precision.nrows() {
-            precision[(k, k)] += 1.0;
-        }
-        let factor = precision.cholesky()?;
-        let score = prior.tr_mul(&alone.score);
-        // Residuals are predictions minus readings.
-        let mean = -factor.solve(&score);
-        let count = mean.len();
-        let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-        let root = factor
-            .l()
-            .tr_solve_lower_triangular(&DMatrix::identity(count, count))?;
-        let log_evidence = -0.5 * (score.dot(&mean) + log_determinant);
+        let evidence = Evidence::with_prior(&alone.score, &alone.information, &prior)?;
+        let mean = evidence.mean();
+        let identity = DMatrix::identity(mean.len(), mean.len());
+        let root = (evidence.factor.l()).tr_solve_lower_triangular(&identity)?;
         let log_prior = candidate.log_odds + log_weight;
         Some(Self {
             prior_odds: log_prior.exp(),
-            odds: (log_prior + log_evidence).exp(),
+            odds: (log_prior + evidence.log()).exp(),
             typical: typical / scale,
             is_positive: candidate.is_positive,
             mean,

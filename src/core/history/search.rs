@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::state::State;
 use super::timeline::{Change, Course, Timeline};
 use super::{CERTAIN, Drift, History, Jump, LISTED, SmoothedState};
+use crate::evidence::Evidence;
 use crate::statistics::log_sum;
 
 /// Jumps of parts of a robot that are expected per year.
@@ -44,13 +45,8 @@ pub(super) fn evidence(
 ) -> (f64, f64) {
     let evidence = SCALES.map(|scale| {
         let sd = scale * typical;
-        let spread = DMatrix::identity(score.len(), score.len()) + information * (sd * sd);
-        let Some(factor) = spread.cholesky() else {
-            return (f64::NEG_INFINITY, sd);
-        };
-        let half: f64 = factor.l_dirty().diagonal().map(f64::ln).sum();
-        let square = score.dot(&factor.solve(score)) * sd * sd;
-        (0.5 * square - half, sd)
+        let own = Evidence::new(score * sd, information * (sd * sd));
+        (own.map_or(f64::NEG_INFINITY, |own| own.log()), sd)
     });
     let total = log_sum(evidence.iter().map(|(value, _)| *value));
     let best = evidence.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));

@@ -17,6 +17,7 @@ use nalgebra::DMatrix;
 
 use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search};
 use crate::estimation::{ExpectedInformation, covariance_of};
+use crate::evidence::log_determinant;
 use crate::geometry::Vec3;
 use crate::robot::Robot;
 
@@ -187,7 +188,7 @@ impl Criterion {
             sum += match kind {
                 TermKind::Determinant(weight) => {
                     let factor = total.cholesky()?;
-                    weight * 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum()
+                    weight * log_determinant(&factor)
                 }
                 TermKind::Error(root) => {
                     let covariance = covariance_of(&total)?;

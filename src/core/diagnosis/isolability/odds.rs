@@ -1,10 +1,11 @@
-//! Posterior odds of one candidate against no cause as a function of its score: [`super::super::evidence`] with the
+//! Posterior odds of one candidate against no cause as a function of its score: [`crate::evidence`] with the
 //! matrices computed in advance.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::candidates::Candidate;
-use crate::statistics::{log_normal_cdf, log_sum};
+use crate::evidence::{log_determinant, log_positive};
+use crate::statistics::log_sum;
 
 /// Log posterior odds of one candidate as a function of its score.
 pub(super) struct Evidence {
@@ -30,10 +31,9 @@ impl Evidence {
             }
             let factor = matrix.cholesky()?;
             factor.l_dirty().solve_lower_triangular_mut(&mut root);
-            let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
             Some(Scale {
                 root,
-                constant: weight - 0.5 * log_determinant,
+                constant: weight - 0.5 * log_determinant(&factor),
             })
         };
         Self {
@@ -60,7 +60,7 @@ impl Evidence {
         }
         if self.is_positive {
             // Mean of the parameter over its standard deviation, given the score.
-            value += std::f64::consts::LN_2 + log_normal_cdf(-scale.root[(0, 0)] * score[0]);
+            value += log_positive(-scale.root[(0, 0)] * score[0], 1.0);
         }
         value
     }
