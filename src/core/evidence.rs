@@ -70,15 +70,19 @@ pub(crate) fn principal(score: &DVector<f64>, information: DMatrix<f64>) -> Vec<
     let eigen = SymmetricEigen::new(information);
     let along = eigen.eigenvectors.tr_mul(score);
     let pairs = eigen.eigenvalues.iter().zip(&along);
-    pairs.map(|(value, along)| [value.max(0.0), *along]).collect()
+    pairs
+        .map(|(value, along)| [value.max(0.0), *along])
+        .collect()
 }
 
 /// Chi-square that parameters of one standard deviation explain, and the log determinant, from [`principal`].
 pub(crate) fn of_size(principal: &[[f64; 2]], size: f64) -> [f64; 2] {
-    principal.iter().fold([0.0, 0.0], |[gain, price], [information, score]| {
-        let spread = 1.0 + size * size * information;
-        [gain + (size * score).powi(2) / spread, price + spread.ln()]
-    })
+    principal
+        .iter()
+        .fold([0.0, 0.0], |[gain, price], [information, score]| {
+            let spread = 1.0 + size * size * information;
+            [gain + (size * score).powi(2) / spread, price + spread.ln()]
+        })
 }
 
 /// Log determinant of a factorised matrix.

@@ -12,7 +12,6 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use super::evaluator::{Elimination, Parts};
 use super::globals::Globals;
 use super::home::HomeRow;
-use super::observation::{Observation, ObservationKind};
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Poses, Problem};
 use super::system::ColumnMap;
@@ -141,34 +140,49 @@ impl Distances {
         .collect()
     }
 
-    /// The distances as observations. With the covariance `C` of the parameters the redundancy is the diagonal of
-    /// `K^-1 - K^-1 A' C A'^T K^-1`.
-    pub fn observations(
-        &self,
-        readings: &[DistanceReading],
-        covariance: Option<&DMatrix<f64>>,
-    ) -> Vec<Observation> {
-        let inverse = self.factor.inverse();
-        let upper = self.factor.l().transpose();
-        let gradients = upper.solve_upper_triangular(&self.design);
-        let observation = |(k, reading): (usize, &DistanceReading)| {
-            let taken = covariance
-                .zip(gradients.as_ref())
-                .map(|(covariance, gradients)| {
-                    let own = gradients.row(k);
-                    (own * covariance).dot(&own)
-                });
-            Observation {
-                row: reading.rows[0],
-                kind: ObservationKind::Distance(k),
-                standardised: self.residuals[k],
-                sd: reading.sd_m,
-                redundancy: taken.map(|taken| inverse[(k, k)] - taken),
-                pull: None,
-            }
-        };
-        readings.iter().enumerate().map(observation).collect()
+    /// How the distances act on the pose with this order; `None` if none does.
+    pub fn pull_of(&self, place: usize) -> Option<DistancePull> {
+        let slopes = self.by_pose.iter().map(|ends| {
+            let own = ends.iter().find(|(other, _)| *other == place);
+            own.map_or([0.0; 6], |(_, half)| *half)
+        });
+        let slopes: Vec<[f64; 6]> = slopes.collect();
+        if slopes.iter().flatten().all(|slope| *slope == 0.0) {
+            return None;
+        }
+        // `F^-1 B` of the pose.
+        let mut scaled = DMatrix::from_fn(slopes.len(), 6, |k, axis| slopes[k][axis]);
+        self.factor.l().solve_lower_triangular_mut(&mut scaled);
+        Some(DistancePull {
+            estimate: -scaled.tr_mul(&self.remaining),
+            spread: scaled.tr_mul(&scaled),
+            by_parameter: -scaled.tr_mul(&self.design),
+        })
     }
+
+    /// The distances as readings: index, whitened residual, share of its variance that is left with known parameters, which is
+    /// the diagonal of `K^-1`, and derivative by the parameters, `K^-1 A'`.
+    pub fn readings(&self) -> Vec<(usize, f64, f64, DVector<f64>)> {
+        let inverse = self.factor.inverse();
+        let mut gradients = self.design.clone();
+        let upper = self.factor.l().transpose();
+        upper.solve_upper_triangular_mut(&mut gradients);
+        let reading = |k: usize| {
+            let gradient = gradients.row(k).transpose();
+            (k, self.residuals[k], inverse[(k, k)], gradient)
+        };
+        (0..self.count()).map(reading).collect()
+    }
+}
+
+/// How distances act on one pose, in units of the information of the pose's own readings.
+pub(super) struct DistancePull {
+    /// `u`.
+    pub estimate: DVector<f64>,
+    /// Covariance of `u` with known parameters, 6 x 6.
+    pub spread: DMatrix<f64>,
+    /// Derivative of `u` by the parameters, 6 x parameters.
+    pub by_parameter: DMatrix<f64>,
 }
 
 /// Whitened residual of a distance and its derivatives by the two poses (translation, rotation vector; base frame).

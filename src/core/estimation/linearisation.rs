@@ -139,6 +139,8 @@ pub(super) struct LinearisedPose {
     pub block: LinearBlock,
     pub remainder: DMatrix<f64>,
     pub pose_by_parameter: DMatrix<f64>,
+    /// Derivative of the rows by the pose in units of the information of its readings, rows x 6.
+    pub by_pose: DMatrix<f64>,
 }
 
 /// A problem at a solution, linearised block by block, so that many poses need no more memory than one.
@@ -190,7 +192,8 @@ impl<'a> LinearisedProblem<'a> {
             present.iter().map(|r| equations.residual[*r]),
         );
         let (rows, noise) = noise_of(self.problem, poses, (row, &present));
-        let remainder = &noise - (&noise * &basis) * basis.transpose();
+        let by_pose = &noise * &basis;
+        let remainder = &noise - &by_pose * basis.transpose();
         LinearisedPose {
             row,
             block: LinearBlock {
@@ -199,6 +202,7 @@ impl<'a> LinearisedProblem<'a> {
                 design: &noise * design,
             },
             remainder,
+            by_pose,
             pose_by_parameter: self.pose_by_parameter(&elimination),
         }
     }

@@ -1,11 +1,11 @@
 //! The readings of the home pose.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use super::sd_of;
+use super::{ReadingsOfParameters, sd_of};
 use crate::estimation::evaluator::Evaluator;
 use crate::estimation::home::HomeRow;
-use crate::estimation::observation::{EntryPointSensitivity, Observation, ObservationKind};
+use crate::estimation::observation::{Observation, ObservationKind};
 use crate::estimation::parameter::{Parameter, ParameterId};
 use crate::estimation::problem::Problem;
 use crate::estimation::solution::Solution;
@@ -15,7 +15,7 @@ use crate::estimation::system::Priors;
 pub(super) struct HomeReadings<'a> {
     pub problem: &'a Problem<'a>,
     pub solution: &'a Solution,
-    pub covariance: Option<&'a DMatrix<f64>>,
+    pub parameters: ReadingsOfParameters<'a>,
     pub row: usize,
 }
 
@@ -36,7 +36,11 @@ impl HomeReadings<'_> {
                 let sd = sd_of(self.problem, evaluator, kind, self.row);
                 let gradient = &home.gradients[index * n..(index + 1) * n];
                 let gradient = DVector::from_column_slice(gradient);
-                self.observation((kind, sd), home.residuals[index], &gradient)
+                self.parameters.observation(
+                    (self.row, kind, sd),
+                    home.residuals[index],
+                    (1.0, &gradient),
+                )
             })
             .collect()
     }
@@ -56,40 +60,9 @@ impl HomeReadings<'_> {
             let mut gradient = DVector::zeros(parameters.len());
             gradient[k] = sd.recip();
             let kind = ObservationKind::Tension(cable);
-            Some(self.observation((kind, sd), priors.residuals[k], &gradient))
+            let of = (self.row, kind, sd);
+            Some((self.parameters).observation(of, priors.residuals[k], (1.0, &gradient)))
         };
         parameters.iter().enumerate().filter_map(tension).collect()
-    }
-
-    fn observation(
-        &self,
-        (kind, sd): (ObservationKind, f64),
-        standardised: f64,
-        gradient: &DVector<f64>,
-    ) -> Observation {
-        let moved = self.covariance.map(|c| c * gradient);
-        Observation {
-            row: self.row,
-            kind,
-            standardised,
-            sd,
-            redundancy: moved.as_ref().map(|moved| 1.0 - gradient.dot(moved)),
-            pull: moved.and_then(|moved| self.pull(&moved)),
-        }
-    }
-
-    fn pull(&self, moved: &DVector<f64>) -> Option<EntryPointSensitivity> {
-        let mut squares = vec![0.0; self.problem.dataset.robot.cable_count()];
-        for (parameter, moved) in self.solution.parameters.iter().zip(moved) {
-            if let ParameterId::EntryPoint { cable, .. } = parameter.id {
-                squares[cable] += moved * moved;
-            }
-        }
-        let squares = squares.into_iter().enumerate();
-        let (cable, square) = squares.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (square > 0.0).then(|| EntryPointSensitivity {
-            cable,
-            per_sd_m: square.sqrt(),
-        })
     }
 }

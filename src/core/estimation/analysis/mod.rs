@@ -9,9 +9,11 @@
 //! With the derivative `g` of `e` with respect to the common parameters (poses re-estimated) and their covariance `C`, an
 //! error of one standard deviation in the reading changes the parameters by `C g`.
 
+mod connected;
 mod home;
 mod poses;
 
+use connected::ConnectedPoses;
 use home::HomeReadings;
 use poses::AnalysePoses;
 
@@ -21,9 +23,9 @@ use pulp::{Arch, Simd, WithSimd};
 use super::distances::Distances;
 use super::evaluated::Evaluated;
 use super::evaluator::Evaluator;
-use super::observation::{DetectionTest, Observation, ObservationKind};
+use super::observation::{DetectionTest, EntryPointSensitivity, Observation, ObservationKind};
 use super::options::Division;
-use super::parameter::ParameterId;
+use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 use super::solution::Solution;
 use super::system::{Priors, System};
@@ -197,24 +199,25 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
         observations: Vec::new(),
         sums: ResidualSums::default(),
     };
+    let readings = ReadingsOfParameters::new(problem, solution, covariance);
     let mut home_readings = Vec::new();
     if let Some((row, evaluator)) = &mut at.home_evaluator {
         let home = HomeReadings {
             problem,
             solution,
-            covariance,
+            parameters: readings,
             row: *row,
         };
         home_readings.extend(home.instruments(evaluator, &at.home));
         home_readings.extend(home.tensions());
     }
-    let readings = &problem.dataset.measurements.distances;
-    let distances = distances.map(|all| all.observations(readings, covariance));
-    let mut others = home_readings
-        .into_iter()
-        .chain(distances.into_iter().flatten());
+    if let Some(distances) = &distances {
+        let connected = ConnectedPoses::new(problem, solution, readings);
+        home_readings.extend(connected.readings(distances));
+    }
+    let mut others = home_readings.into_iter();
     let with_home = || {
-        // The readings at home and the distances precede those of the first part.
+        // The readings at home and those that distances connect precede those of the first part.
         let mut collector = collector();
         others.by_ref().for_each(|one| collector.add(one));
         collector
@@ -230,9 +233,12 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
         );
     });
     let parts = parts.into_iter();
-    let all = parts
+    let mut all = parts
         .reduce(Collector::followed_by)
         .unwrap_or_else(collector);
+    if distances.is_some() {
+        all.observations.sort_by_key(|reading| reading.row);
+    }
     Analysis {
         observations: all.observations,
         sums: all.sums.finish(),
@@ -326,6 +332,61 @@ fn prior_redundancies(
     (0..n).map(redundancy).collect()
 }
 
+/// Readings whose residuals depend on the common parameters.
+#[derive(Clone, Copy)]
+struct ReadingsOfParameters<'a> {
+    parameters: &'a [Parameter],
+    cables: usize,
+    covariance: Option<&'a DMatrix<f64>>,
+}
+
+impl<'a> ReadingsOfParameters<'a> {
+    fn new(
+        problem: &Problem<'_>,
+        solution: &'a Solution,
+        covariance: Option<&'a DMatrix<f64>>,
+    ) -> Self {
+        Self {
+            parameters: &solution.parameters,
+            cables: problem.dataset.robot.cable_count(),
+            covariance,
+        }
+    }
+
+    /// A reading, from the share of its variance that is left with known parameters and its derivative by these.
+    fn observation(
+        &self,
+        (row, kind, sd): (usize, ObservationKind, f64),
+        standardised: f64,
+        (left, gradient): (f64, &DVector<f64>),
+    ) -> Observation {
+        let moved = self.covariance.map(|c| c * gradient);
+        Observation {
+            row,
+            kind,
+            standardised,
+            sd,
+            redundancy: moved.as_ref().map(|moved| left - gradient.dot(moved)),
+            pull: moved.and_then(|moved| self.pull(&moved)),
+        }
+    }
+
+    fn pull(&self, moved: &DVector<f64>) -> Option<EntryPointSensitivity> {
+        let mut squares = vec![0.0; self.cables];
+        for (parameter, moved) in self.parameters.iter().zip(moved) {
+            if let ParameterId::EntryPoint { cable, .. } = parameter.id {
+                squares[cable] += moved * moved;
+            }
+        }
+        let squares = squares.into_iter().enumerate();
+        let (cable, square) = squares.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (square > 0.0).then(|| EntryPointSensitivity {
+            cable,
+            per_sd_m: square.sqrt(),
+        })
+    }
+}
+
 struct Collector<'a> {
     problem: &'a Problem<'a>,
     covariance: Option<&'a DMatrix<f64>>,
@@ -343,7 +404,7 @@ impl Collector<'_> {
         }
     }
 
-    /// Whether a distance moves the pose of a row; its readings are then not independent of it, and are not tested singly.
+    /// Whether a distance moves the pose of a row, see [`ConnectedPoses`].
     fn is_connected(&self, row: usize) -> bool {
         let mut distances = self.problem.dataset.measurements.distances.iter();
         distances.any(|one| one.rows.contains(&row))

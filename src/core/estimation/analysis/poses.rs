@@ -230,9 +230,12 @@ impl<T: Packet> AnalysePoses<'_, '_, '_, T> {
         let pull_squared = lanes(found.iter().map(|one| one.pull_squared));
         let collector = &mut *self.collector;
         let problem = collector.problem;
+        let known = collector.covariance.is_some();
         let rows = self.evaluator.rows().iter();
         for (lane, row) in rows.skip(batch * T::LANES).take(T::LANES).enumerate() {
-            let known = collector.covariance.is_some() && !collector.is_connected(*row);
+            if collector.is_connected(*row) {
+                continue;
+            }
             for (index, one) in estimates.iter().enumerate() {
                 let at = |k: usize| k * T::LANES + lane;
                 let is_read = match one.kind {

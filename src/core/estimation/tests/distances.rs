@@ -145,6 +145,15 @@ fn the_solution_is_that_of_the_whole_problem() {
         let from_rows = linear.design.tr_mul(&linear.design);
         assert!((&from_rows - &solution.information).norm() < 1e-6 * from_rows.norm());
         assert!((linear.residual.norm_squared() - solution.chi2).abs() < 1e-6 * solution.chi2);
+        let analysis = Analysis::new(&problem, &solution);
+        let readings = analysis.observations.iter();
+        let squares: f64 = readings.clone().map(|one| one.standardised.powi(2)).sum();
+        let priors = Priors::evaluate(&problem, &solution.globals, &solution.parameters);
+        assert!((squares + priors.loss - solution.chi2).abs() < 1e-4 * solution.chi2);
+        let redundancies = readings.map(|one| one.redundancy.unwrap());
+        let of_priors = analysis.prior_redundancies.iter().flatten();
+        let sum = redundancies.sum::<f64>() + of_priors.sum::<f64>();
+        assert!((sum - solution.degrees_of_freedom).abs() < 1e-5, "{sum}");
     }
 }
 

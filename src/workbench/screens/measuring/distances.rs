@@ -57,8 +57,8 @@ pub fn show(ui: &mut Ui, model: &Model, input: &mut DistancesInput, outbox: &mut
     section(ui, "Distances between poses");
     muted(
         ui,
-        "A tape from mark to mark of the platform's centre at two poses tells the size of the machine where no laser does. \
-         Type them here, or drop a distances.csv.",
+        "The distance between the centres of the platform at two poses, with a tape or on a board with marks, tells the \
+         size of the machine. Type distances here, or drop a distances.csv.",
     );
     ui.horizontal(|ui| {
         muted(ui, "Standard deviation of the tape");

@@ -87,7 +87,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     plan(ui, model, panel, outbox);
     controller::show(ui, model, outbox);
     run::show(ui, model, panel, outbox);
-    table::show(ui, model, panel, outbox);
+    ui.scope(|ui| table::show(ui, model, panel, outbox));
     distances::show(ui, model, &mut panel.distances, outbox);
 }
 
