@@ -95,7 +95,7 @@ fn a_folder_reads_back_as_it_was_written() {
         write_dataset(&path, &dataset(), &phases).expect("written");
         let read = read_dataset(&path).expect("a dataset");
         let mut expected = dataset();
-        let distances = crate::phases::distance_readings(&phases.distances, &expected.measurements);
+        let distances = phases::distance_readings(&phases.distances, &expected.measurements);
         expected.measurements.distances = distances;
         assert_eq!(read.dataset, expected);
         assert_eq!(read.phases, phases);

@@ -194,6 +194,7 @@ impl Editable {
     /// Whether the inputs of the identification equal those of `session`.
     fn has_inputs_of(&self, session: &Session) -> bool {
         self.robot == session.robot
+            && self.phases.distances == session.phases.distances
             && self.settings.identification == session.settings.identification
             && self.excluded == *session.excluded()
     }

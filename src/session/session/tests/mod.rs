@@ -1,5 +1,5 @@
 use super::*;
-use crate::phases::{CheckKind, CheckPose, CheckRow, WinchPair};
+use crate::phases::{CheckKind, CheckPose, CheckRow, PoseDistance, WinchPair};
 use serde_json::{Value, json};
 use tautline_core::effect::EffectSetting;
 
@@ -246,6 +246,12 @@ fn the_basis_changes_with_the_inputs_and_with_nothing_else() {
     assert!(same(|s| s.settings.until.enabled = true));
     assert!(!same(|s| s.robot.cables[0].pulley.radius_m = 1e-3));
     assert!(!same(|s| s.measurements.length_m.set(1, 0, 0.91)));
+    assert!(!same(|s| s.phases.distances.push(PoseDistance {
+        poses: [1, 2],
+        distance_m: 0.3,
+        sd_m: 1e-3,
+        point_m: [0.0; 3],
+    })));
     assert!(!same(|s| assert!(s.include(3))));
     assert!(!same(|s| s.settings.identification.method = Method::Simple));
     assert!(!same(|s| s.settings.identification.effects.clear()));
