@@ -148,7 +148,7 @@ fn best_rival(
         }
     }
     let error = search.find_in_place(&others, &amplitude, is_eligible)?;
-    // The causes may leave an unmodelled error or a background in the same readings.
+    // The causes may leave an unmodelled error, of those found beside them or of any form, or a background in the same readings.
     let named = beside(&inference.columns, &elsewhere);
     let whole = beside(&named, &is_eligible);
     let penalty: f64 = remaining
@@ -162,10 +162,12 @@ fn best_rival(
             .with_amplitudes(start, (amplitude, inference.hyper.factor), columns)
             .log_density
     };
+    let beside_causes = search.find_in_place(&named, &amplitude, is_eligible);
     let values = [
         log_density(&amplitude, &named),
         log_density(&inference.hyper.amplitude, &named),
         log_density(&amplitude, &whole) + penalty,
+        beside_causes.map_or(f64::NEG_INFINITY, |error| error.log_odds),
     ];
     let of_causes = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
     let log_odds = error.log_odds - of_causes;

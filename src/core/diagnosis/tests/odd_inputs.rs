@@ -306,7 +306,7 @@ fn a_table_that_was_appended_twice_tells_no_more_than_once() {
 #[test]
 fn probabilities_lie_between_0_and_1_whatever_was_measured() {
     let mut rng = ChaCha8Rng::seed_from_u64(88);
-    for case in 0..24 {
+    for case in 0..12 {
         let name = ["mini", "planar", "suspended", "hall"][case % 4];
         let poses = rng.random_range(2..14);
         let scale = rng.random_range(-0.1..0.1);
