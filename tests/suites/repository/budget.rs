@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7573),
-    ("core", 37305),
-    ("import", 18744),
+    ("cli", 7584),
+    ("core", 37812),
+    ("import", 18904),
     ("link", 10448),
     ("python", 989),
-    ("session", 8063),
+    ("session", 8198),
     ("study", 3179),
-    ("workbench", 38107),
-    ("workflow", 20934),
+    ("workbench", 38220),
+    ("workflow", 20948),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
