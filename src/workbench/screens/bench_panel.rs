@@ -11,9 +11,7 @@ use crate::model::edit::Edit;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{
-    Cell, Import, RowsEdit, Verdict, heading, import_row, muted, primary, verdict,
-};
+use crate::widgets::{Cell, Import, RowsEdit, UiExt, import_row, primary};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::fixed;
@@ -56,8 +54,8 @@ impl<'a> Bench<'a> {
         model: &'a Model,
         outbox: &'a mut Outbox,
     ) -> Option<Self> {
-        heading(ui, title);
-        muted(ui, purpose);
+        ui.heading(title);
+        ui.muted(purpose);
         let open = model.open.as_ref()?;
         Some(Self {
             open,
@@ -111,12 +109,12 @@ impl<'a> Bench<'a> {
     /// Draws the step that applies fitted values to the robot; `what` is its name in the undo menu.
     pub fn propose(&mut self, ui: &mut Ui, proposal: &Proposal, button: &str, what: &str) {
         for sentence in &proposal.left_out {
-            verdict(ui, Verdict::Doubtful, &format!("{sentence}."));
+            ui.doubtful(&format!("{sentence}."));
         }
         match &proposal.robot {
-            Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+            Err(message) => ui.bad(&format!("{message}.")),
             Ok(_) if proposal.is_used && proposal.left_out.is_empty() => {
-                muted(ui, "These values are applied.");
+                ui.muted("These values are applied.");
             }
             Ok(robot) => {
                 if primary(ui, button, !proposal.is_used).clicked() {

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{AskedRobot, Outbox, SIMULATING, StudyCommand, ViewCommand};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
+use crate::widgets::{UiExt, checkbox};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -68,13 +68,13 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
             ui.horizontal(|ui| {
-                heading(ui, "Which sensor?");
-                muted(ui, &format!("for {}", asked.robot.name));
+                ui.heading("Which sensor?");
+                ui.muted(&format!("for {}", asked.robot.name));
                 if ui.button("Back").clicked() {
                     outbox.send(ViewCommand::Go(model.previous_screen()));
                 }
             });
-            muted(ui, "The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");
+            ui.muted("The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");
             ui.add_space(2.0 * GRID);
             let running = model.tasks.runs(SIMULATING);
             contents(ui, asked, running, outbox);
@@ -85,7 +85,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 fn contents(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     if asked.question.is_none() {
         if let Err(error) = &asked.advisor {
-            verdict(ui, Verdict::Bad, error);
+            ui.bad(error);
         }
         return;
     }
@@ -114,7 +114,7 @@ fn contents(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut
         ui.vertical(|ui| match answer {
             Ok(answer) => answered(ui, question, answer, height),
             Err(error) => {
-                verdict(ui, Verdict::Bad, error);
+                ui.bad(error);
             }
         });
     });
@@ -130,7 +130,7 @@ fn asking(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut O
 /// Step that starts a study of the question in a folder.
 fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     ui.add_space(2.0 * GRID);
-    section(ui, "Simulation");
+    ui.section("Simulation");
     let Some(question) = asked.question else {
         return;
     };
@@ -154,15 +154,12 @@ fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &m
         let folder = asked.folder.trim().into();
         outbox.send(StudyCommand::Simulate(draft(), folder));
     }
-    muted(
-        ui,
-        "Simulates 400 calibrations for each combination of laser and number of poses, and writes a report. To add faults or \
-         other robots, edit the study.toml in this folder and use the command study.",
-    );
+    ui.muted("Simulates 400 calibrations for each combination of laser and number of poses, and writes a report. To add faults or \
+         other robots, edit the study.toml in this folder and use the command study.");
 }
 
 fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
-    section(ui, "Instruments");
+    ui.section("Instruments");
     Grid::new("which sensor")
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID])
@@ -215,7 +212,7 @@ fn optional(
     match value {
         Some(value) => millimetres(ui, label.id, value, unit),
         None => {
-            muted(ui, "none");
+            ui.muted("none");
         }
     }
     ui.end_row();
@@ -240,16 +237,13 @@ fn millimetres(
 /// Answer in words, numbers and plots, with this total height.
 fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
     let top = ui.cursor().min.y;
-    section(ui, "Answer");
+    ui.section("Answer");
     ui.label(answer.sentence(question));
     if let Some(entry_m) = answer.entry_m {
-        muted(
-            ui,
-            &format!(
-                "Entry points: {} mm along each axis.",
-                significant(1e3 * entry_m, 2)
-            ),
-        );
+        ui.muted(&format!(
+            "Entry points: {} mm along each axis.",
+            significant(1e3 * entry_m, 2)
+        ));
     }
     ui.add_space(GRID);
     // Number of decimals that shows two digits of the smallest error.

@@ -9,7 +9,7 @@ use tautline_workflow::wording::list;
 
 use crate::model::command::{ReportDraft, WorkshopInstrument};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, checkbox, muted, number, section};
+use crate::widgets::{Entered, Number, UiExt, checkbox, number};
 
 /// Width of a text field (points).
 const FIELD: f32 = 290.0;
@@ -18,7 +18,7 @@ const DATE: &str = "2026-11-28";
 
 /// Draws the fields of the certificate in the report dialog.
 pub fn form(ui: &mut Ui, draft: &mut ReportDraft, robot: &Robot) {
-    section(ui, "Certificate");
+    ui.section("Certificate");
     Grid::new("certificate")
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID])
@@ -61,7 +61,7 @@ pub fn form(ui: &mut Ui, draft: &mut ReportDraft, robot: &Robot) {
     let missing = missing_details(&draft.chosen_details(), robot);
     if !missing.is_empty() {
         ui.add_space(GRID);
-        muted(ui, &format!("Not stated yet: {}.", list(&missing)));
+        ui.muted(&format!("Not stated yet: {}.", list(&missing)));
     }
 }
 
@@ -111,9 +111,9 @@ fn conditions(ui: &mut Ui, details: &mut CertificateDetails) {
 
 /// Instruments of the workshop, with a check mark for those used.
 fn instruments(ui: &mut Ui, instruments: &mut Vec<WorkshopInstrument>) {
-    section(ui, "Instruments used");
+    ui.section("Instruments used");
     if instruments.is_empty() {
-        muted(ui, "None is entered yet. They are kept for all sessions.");
+        ui.muted("None is entered yet. They are kept for all sessions.");
     }
     let mut removed = None;
     for (index, one) in instruments.iter_mut().enumerate() {

@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, HypothesisCommand, RobotCommand, WriteDraft};
 use crate::screens::adjustment::{identify_without, lines};
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, entered, heading, modal, muted, primary, verdict};
+use crate::widgets::{UiExt, entered, modal, primary};
 use tautline_workflow::wording::count;
 
 /// Draws the open dialog, if any.
@@ -34,26 +34,22 @@ fn leaving(ui: &mut Ui, state: &mut AppState) {
     };
     let is_unsaved = draft.leaving.ends_session() && model.is_unsaved();
     let (answer, is_left) = modal(ui, ("leaving", 420.0), |ui| {
-        heading(
-            ui,
-            match is_unsaved {
-                true => "Save the changes?",
-                false => "Disconnect the armed robot?",
-            },
-        );
+        ui.heading(match is_unsaved {
+            true => "Save the changes?",
+            false => "Disconnect the armed robot?",
+        });
         if is_unsaved {
             let name = model.open.as_ref().map_or("", |open| &open.session().name);
             ui.label(format!("{name} is not saved."));
         }
         if model.link.can_move() {
-            let text = format!(
+            ui.doubtful(&format!(
                 "{} is armed: it will be stopped and disconnected.",
                 model.link.identity
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
         if let Some(why) = &draft.failure {
-            verdict(ui, Verdict::Bad, why);
+            ui.bad(why);
         }
         ui.add_space(2.0 * GRID);
         let answers: &[(&str, Answer)] = match is_unsaved {
@@ -108,7 +104,7 @@ fn elsewhere(ui: &mut Ui, state: &mut AppState) {
         return;
     };
     let (answer, is_left) = modal(ui, ("elsewhere", 460.0), |ui| {
-        heading(ui, &format!("Open in another window since {since}"));
+        ui.heading(&format!("Open in another window since {since}"));
         let text = "Two windows must not work with one session and its robot. What the other one has not saved stays there.";
         ui.label(format!("{}: {text}", opening.session.name));
         ui.add_space(2.0 * GRID);
@@ -139,7 +135,7 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut AppState) {
     };
     let into_session = draft.checked().is_ok() && model.open.is_some();
     let (answer, is_left) = modal(ui, ("unsaved hypothesis", 420.0), |ui| {
-        heading(ui, "Save the hypothesis?");
+        ui.heading("Save the hypothesis?");
         ui.label(match into_session {
             true => "Its text is in no file and not in the session.",
             false => "Its text is in no file.",
@@ -170,7 +166,7 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
     let open = state.model.open.as_ref();
     let cables = open.map_or(&[][..], |open| &open.session().robot.cables);
     let (answer, is_left) = modal(ui, ("write values", 600.0), |ui| {
-        heading(ui, "Write these values?");
+        ui.heading("Write these values?");
         let values = count(review.changes().count(), "value");
         let controller = &state.model.link.identity;
         ui.label(format!(
@@ -181,7 +177,7 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
             .max_height(height)
             .show(ui, |ui| lines(ui, review.changes(), cables));
         for doubt in &draft.doubts {
-            verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
+            ui.doubtful(&format!("{}.", doubt.sentence));
         }
         let is_sound = draft.doubts.is_empty();
         if !is_sound {
@@ -242,12 +238,12 @@ pub fn internal_error(ui: &mut Ui, model: &mut Model) {
         ui.set_width(640.0_f32.min(ui.available_width() - 8.0 * GRID));
         ui.add_space(ui.available_height() * 0.2);
         ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
-            heading(ui, "Internal error");
+            ui.heading("Internal error");
             ui.label("The session is unchanged and nothing that was measured is lost. A copy is in the folder");
             ui.label(RichText::new(folder.display().to_string()).font(theme::strong(13.0)));
             ui.label("and is offered for recovery at the next start.");
             ui.add_space(2.0 * GRID);
-            muted(ui, "Please report this:");
+            ui.muted("Please report this:");
             ui.add(egui::Label::new(RichText::new(&caught_panic.message).small()).wrap().selectable(true));
             ui.add_space(2.0 * GRID);
             ui.horizontal(|ui| {

@@ -6,7 +6,7 @@ use super::menu::{self, MenuItem};
 use super::state::AppState;
 use super::top;
 use crate::model::command::ViewCommand;
-use crate::widgets::{modal, muted};
+use crate::widgets::{UiExt, modal};
 
 /// Draws the palette while it is open.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 }
             }
             if items.is_empty() {
-                muted(ui, "No matching commands");
+                ui.muted("No matching commands");
             }
         });
     });

@@ -7,6 +7,7 @@ use crate::model::command::ViewCommand;
 use crate::model::phase::{Phase, PhaseStatus, Screen};
 use crate::model::phase_status;
 use crate::theme::{self, GRID};
+use crate::widgets::UiExt;
 
 /// Width of the rail with icons only, including margins.
 pub const NARROW: f32 = 68.0;
@@ -99,7 +100,7 @@ fn words(ui: &mut Ui, title: &str, status: &PhaseStatus) {
         ui.label(RichText::new(title).font(theme::strong(13.0)));
     });
     let line = RichText::new(&status.line).small().color(palette.muted);
-    ui.add(egui::Label::new(line).wrap());
+    ui.wrapped(line);
 }
 
 fn icon(ui: &mut Ui, phase: Phase, status: &PhaseStatus, is_low: bool) {

@@ -9,16 +9,14 @@ use crate::model::command::{DIAGNOSING, IDENTIFYING, Outbox, ReportCommand, Repo
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
 use crate::theme::GRID;
-use crate::widgets::{
-    Entered, Number, Verdict, checkbox, heading, modal, muted, number, primary, section, verdict,
-};
+use crate::widgets::{Entered, Number, UiExt, checkbox, modal, number, primary};
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 
 /// Draws the report dialog.
 pub fn show(ui: &mut Ui, state: &mut AppState, mut draft: ReportDraft) {
     let format = draft.format;
     let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
-        heading(ui, &format!("Save the report as {}", format.title()));
+        ui.heading(&format!("Save the report as {}", format.title()));
         let is_of_session = matches!(state.model.screen, Screen::Phase(_));
         if is_of_session {
             out_of_date(ui, &state.model, &mut state.outbox);
@@ -81,7 +79,7 @@ fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         return;
     }
     for part in model::out_of_date(model) {
-        verdict(ui, Verdict::Doubtful, part.sentence);
+        ui.doubtful(part.sentence);
         if let Some((name, command)) = part.remedy
             && ui.button(name).clicked()
         {
@@ -91,7 +89,7 @@ fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 }
 
 fn head(ui: &mut Ui, choice: &mut ReportChoice) {
-    section(ui, "Heading");
+    ui.section("Heading");
     Grid::new("head of the report")
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID])
@@ -128,12 +126,12 @@ fn tolerance(ui: &mut Ui, choice: &mut ReportChoice) {
             Some(Entered::Value(mm)) if mm > 0.0 => choice.tolerance_m = Some(1e-3 * mm),
             Some(Entered::Value(_) | Entered::Wrong(_)) | None => {}
         }
-        muted(ui, "Without one, no verdict is given.");
+        ui.muted("Without one, no verdict is given.");
     });
 }
 
 fn sections(ui: &mut Ui, choice: &mut ReportChoice) {
-    section(ui, "Sections");
+    ui.section("Sections");
     Grid::new("parts of the report")
         .num_columns(2)
         .spacing([6.0 * GRID, GRID])

@@ -9,7 +9,7 @@ use crate::model::command::{RobotCommand, Setup, ViewCommand};
 use crate::model::messages::Severity;
 use crate::screens::measuring::controller::lost_words;
 use crate::theme;
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 use tautline_workflow::controllers::RobotKind;
 
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -30,7 +30,7 @@ fn last_message(ui: &mut Ui, state: &mut AppState) {
     // Errors are shown in the alert or in the dialog they concern.
     let last = state.model.messages.last_here();
     let Some(message) = last.filter(|last| last.severity != Severity::Error) else {
-        muted(ui, "Ready");
+        ui.muted("Ready");
         return;
     };
     let (icon, colour) = match message.severity {

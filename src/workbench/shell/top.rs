@@ -8,7 +8,7 @@ use super::state::AppState;
 use super::stop;
 use crate::model::command::{Command, ViewCommand};
 use crate::theme;
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 
 /// Smallest width of the session's name (points).
 const LEAST_NAME: f32 = 40.0;
@@ -115,7 +115,7 @@ fn title(ui: &mut Ui, state: &AppState) {
         ui.add(Label::new(name).truncate());
     });
     if open.is_unsaved() {
-        muted(ui, "not saved");
+        ui.muted("not saved");
     }
 }
 

@@ -10,7 +10,7 @@ use super::robot_3d::scene::Scene;
 use crate::model::command::{Outbox, PoseStep, ViewCommand};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 use tautline_workflow::wording::count;
 
 /// Height of the time line with its margins (points).
@@ -87,7 +87,7 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
         commands.extend(track(ui, (open, scene), selection, plays));
         let place = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
         ui.add_space(GRID);
-        muted(ui, &words(labels, place));
+        ui.muted(&words(labels, place));
     });
     for command in commands {
         outbox.send(command);

@@ -6,7 +6,7 @@ use egui::{
 use tautline_workflow::isolability::{IsolabilityTable, SEEN, percent};
 
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 
 /// Size of a cell (points).
 const CELL: [f32; 2] = [22.0, 17.0];
@@ -38,12 +38,9 @@ pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
 /// Draws the matrix: a row for each possible fault, with its probability of detection, and a column for each fault with
 /// which it could be confused.
 fn fault_matrix(ui: &mut Ui, table: &IsolabilityTable) {
-    ui.add(egui::Label::new(table.summary()).wrap());
-    muted(
-        ui,
-        "Rows: the fault that is present, and the probability (%) that it is seen, of the least visible cable. Columns: the \
-         probability (%) that another fault could be meant. Point at a cell for more.",
-    );
+    ui.wrapped(table.summary());
+    ui.muted("Rows: the fault that is present, and the probability (%) that it is seen, of the least visible cable. Columns: the \
+         probability (%) that another fault could be meant. Point at a cell for more.");
     ui.add_space(GRID);
     let count = table.kinds.len();
     let size = vec2(

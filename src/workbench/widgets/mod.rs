@@ -31,4 +31,4 @@ pub use probability::probability;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
 pub use tab_row::{TabOf, fitting, tab_row};
 pub use table::{Cell, TableColumn, TableResponse, table};
-pub use text::{Verdict, empty, heading, muted, section, value, verdict};
+pub use text::{UiExt, Verdict};

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2, WidgetInfo};
 
-use super::text::muted;
+use super::text::UiExt;
 use crate::theme::{self, GRID};
 use tautline_workflow::wording::units::fixed;
 
@@ -84,7 +84,7 @@ pub fn number_checked(
         response = response.on_hover_text(message);
     }
     if !field.unit.is_empty() {
-        muted(ui, field.unit);
+        ui.muted(field.unit);
     }
     if response.changed() {
         ui.data_mut(|data| data.insert_temp(id, text.clone()));

@@ -4,7 +4,7 @@ use egui::{TextEdit, Ui, WidgetInfo};
 use tautline_core::geometry::Pose;
 use tautline_session::CheckPose;
 
-use super::{muted, parse_number};
+use super::{UiExt, parse_number};
 use crate::theme::GRID;
 
 const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
@@ -40,7 +40,7 @@ impl PoseFields {
         let mut left = false;
         ui.horizontal_wrapped(|ui| {
             for (name, text) in names.iter().zip(&mut self.texts[first..]) {
-                muted(ui, name);
+                ui.muted(name);
                 let field = ui.add(TextEdit::singleline(text).desired_width(15.0 * GRID));
                 let value = text.clone();
                 let label = format!("{of} {}", name.to_lowercase());
@@ -55,7 +55,7 @@ impl PoseFields {
                 }
                 left |= field.lost_focus();
             }
-            muted(ui, unit);
+            ui.muted(unit);
         });
         left
     }

@@ -5,7 +5,7 @@ use egui_material_icons::icons;
 
 use super::button::{icon_button, icon_only};
 use super::number::{Entered, Number, number, parse};
-use super::text::muted;
+use super::text::UiExt;
 use crate::theme::{self, GRID};
 
 /// Largest number of columns.
@@ -273,8 +273,10 @@ fn in_si(field: &RowField, value: f64) -> Result<f64, String> {
 fn add(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit> {
     let titles: Vec<String> = rows.fields.iter().map(titled).collect();
     let name = format!("{}s to add", rows.noun);
-    let help = format!("Type or paste one row per line: {}", titles.join(", "));
-    muted(ui, &help);
+    ui.muted(&format!(
+        "Type or paste one row per line: {}",
+        titles.join(", ")
+    ));
     let field = TextEdit::multiline(draft)
         .desired_rows(2)
         .desired_width(f32::INFINITY);

@@ -7,14 +7,11 @@ use crate::model::Model;
 use crate::model::command::{
     CorrectedFile, FileCorrection, Outbox, PlotCommand, PlotFile, RobotCommand,
 };
-use crate::widgets::{Cell, TableColumn, Verdict, icon_button, muted, section, table, verdict};
+use crate::widgets::{Cell, TableColumn, UiExt, icon_button, table};
 
 pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    section(ui, "Firmware or simulator");
-    muted(
-        ui,
-        "The identified values in your config.g, printer.cfg, maslow.yaml or model of MuJoCo, ROS or Gazebo. The file itself stays as it is.",
-    );
+    ui.section("Firmware or simulator");
+    ui.muted("The identified values in your config.g, printer.cfg, maslow.yaml or model of MuJoCo, ROS or Gazebo. The file itself stays as it is.");
     let corrected = model.corrected_file();
     ui.horizontal_wrapped(|ui| {
         if icon_button(ui, icons::ICON_FOLDER_OPEN, "Choose file…", true).clicked() {
@@ -39,7 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         None => {}
         Some(FileCorrection {
             result: Err(error), ..
-        }) => verdict(ui, Verdict::Bad, error),
+        }) => ui.bad(error),
         Some(FileCorrection {
             file,
             result: Ok(corrected),
@@ -72,6 +69,6 @@ fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
         })
         .collect();
     ui.label(corrected.written.loss_in_words());
-    muted(ui, &format!("{file}: {} values change", rows.len()));
+    ui.muted(&format!("{file}: {} values change", rows.len()));
     table(ui, &columns, &rows, None);
 }

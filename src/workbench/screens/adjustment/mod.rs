@@ -19,7 +19,7 @@ use crate::model::link::LinkRequest;
 use crate::model::next_step::of_values;
 use crate::model::{Memo, Model, OpenSession};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button};
 use tautline_workflow::accuracy::Figure;
 use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::RobotKind;
@@ -42,14 +42,11 @@ pub struct PanelState {
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    heading(ui, "Adjustment");
+    ui.heading("Adjustment");
     if model.link.verifying.is_some() {
         return verification::under_way(ui, model, panel, outbox);
     }
-    muted(
-        ui,
-        "The identified values are written to the controller; an external instrument verifies the result.",
-    );
+    ui.muted("The identified values are written to the controller; an external instrument verifies the result.");
     let Some(open) = &model.open else {
         return;
     };
@@ -76,11 +73,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 /// Warns against values that could make the robot less accurate.
 fn doubt(ui: &mut Ui, model: &Model, open: &OpenSession) {
     if let Some(problem) = of_values(model, open) {
-        verdict(
-            ui,
-            Verdict::Bad,
-            &format!("{} {}", problem.text, problem.then),
-        );
+        ui.bad(&format!("{} {}", problem.text, problem.then));
     }
 }
 
@@ -93,7 +86,7 @@ fn missing(ui: &mut Ui, open: &OpenSession) {
     } else {
         "The pulleys are not identified yet: there is nothing to write."
     };
-    verdict(ui, Verdict::Neutral, text);
+    ui.neutral(text);
 }
 
 fn compare(
@@ -103,22 +96,19 @@ fn compare(
     outbox: &mut Outbox,
     review: &Review,
 ) {
-    section(ui, "Controller and identified model");
+    ui.section("Controller and identified model");
     if !model.link.is_connected() {
         let is_recorded = review.lines.iter().any(|line| line.controller.is_some());
-        muted(
-            ui,
-            match is_recorded {
-                true => {
-                    "Controller: the values that this session recorded. Connect to read them again."
-                }
-                false => "Connect the controller to compare its values with the identified ones.",
-            },
-        );
+        ui.muted(match is_recorded {
+            true => {
+                "Controller: the values that this session recorded. Connect to read them again."
+            }
+            false => "Connect the controller to compare its values with the identified ones.",
+        });
     }
     table::show(ui, model, panel, outbox, &review.lines);
     if let Some(doubt) = &review.unsupported {
-        verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
+        ui.doubtful(&format!("{}.", doubt.sentence));
         identify_without(ui, review, outbox);
     }
     let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
@@ -167,13 +157,9 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
         return;
     }
     if let Some(why) = adjusting::refusal(&review.lines) {
-        verdict(ui, Verdict::Bad, &format!("{}.", sentence(&why)));
+        ui.bad(&format!("{}.", sentence(&why)));
     } else if changes == 0 {
-        verdict(
-            ui,
-            Verdict::Good,
-            "The controller holds the identified values.",
-        );
+        ui.good("The controller holds the identified values.");
     } else {
         let note = match kind {
             Some(RobotKind::OfDescription) => {
@@ -186,7 +172,7 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
             1 => "1 value differs from that of the controller.".to_owned(),
             several => format!("{several} values differ from those of the controller."),
         };
-        muted(ui, &(differ + note));
+        ui.muted(&(differ + note));
     }
 }
 

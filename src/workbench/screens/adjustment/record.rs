@@ -4,7 +4,7 @@ use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};
 
 use crate::model::Model;
-use crate::widgets::{Verdict, muted, section, verdict};
+use crate::widgets::{UiExt, Verdict};
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::local_time::date_and_time;
 
@@ -17,9 +17,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model) {
     let Some(last) = adjustments.last() else {
         return;
     };
-    section(ui, "Adjustment history");
+    ui.section("Adjustment history");
     let (kind, text) = words(last);
-    verdict(ui, kind, &text);
+    ui.verdict(kind, &text);
     let header = CollapsingHeader::new(format!("History ({})", adjustments.len()));
     header.id_salt("record").show(ui, |ui| {
         for adjustment in adjustments.iter().rev() {
@@ -29,8 +29,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model) {
                 name => name,
             };
             let when = date_and_time(adjustment.time);
-            muted(ui, &format!("{when}, {who}, {}", adjustment.controller));
-            ui.add(egui::Label::new(text).wrap());
+            ui.muted(&format!("{when}, {who}, {}", adjustment.controller));
+            ui.wrapped(text);
         }
     });
 }

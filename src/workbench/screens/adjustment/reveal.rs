@@ -7,7 +7,7 @@ use tautline_core::robot::Robot;
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
-use crate::widgets::{Verdict, muted, section, value, verdict};
+use crate::widgets::UiExt;
 
 /// Draws the button, or the revealed faults.
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
@@ -18,9 +18,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(simulator) = &session.simulator else {
         return;
     };
-    section(ui, "The demonstration");
+    ui.section("The demonstration");
     if !simulator.revealed {
-        muted(ui, "This robot has a hidden random fault. Reveal it last.");
+        ui.muted("This robot has a hidden random fault. Reveal it last.");
         if ui.button("Reveal the hidden fault").clicked() {
             outbox.send(RobotCommand::Reveal);
         }
@@ -39,21 +39,20 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
             .iter()
             .any(|hidden| same(hidden, extra));
         if !real && !session.robot.effects.contains(extra) {
-            let text = format!(
+            ui.doubtful(&format!(
                 "In the model but not in the robot: {}",
                 words(&session.robot, extra)
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
     }
-    muted(ui, "RMS distance of the pulleys from their true positions:");
+    ui.muted("RMS distance of the pulleys from their true positions:");
     let drawn = distance_m(&session.robot, &simulator.truth);
-    value(ui, "Nominal", &format!("{:.2}", drawn * 1e3), "mm");
+    ui.value("Nominal", &format!("{:.2}", drawn * 1e3), "mm");
     if let Some(model) = model {
         let found = distance_m(model, &simulator.truth);
-        value(ui, "Identified", &format!("{:.2}", found * 1e3), "mm");
+        ui.value("Identified", &format!("{:.2}", found * 1e3), "mm");
     } else {
-        muted(ui, "Nothing is identified from the current data.");
+        ui.muted("Nothing is identified from the current data.");
     }
 }
 
@@ -62,12 +61,9 @@ fn effect(ui: &mut Ui, robot: &Robot, hidden: &EffectSetting, model: Option<&Rob
     let found = model.and_then(|model| model.effects.iter().find(|known| same(known, hidden)));
     match found {
         Some(found) => {
-            let text = format!("Found: {}", words(robot, found));
-            verdict(ui, Verdict::Good, &text);
+            ui.good(&format!("Found: {}", words(robot, found)));
         }
-        None => verdict(
-            ui,
-            Verdict::Doubtful,
+        None => ui.doubtful(
             "Not found: the identified model has no such effect. Diagnose the model in phase 4.",
         ),
     }

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, TableColumn, TableResponse, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, TableResponse, UiExt, checkbox, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
@@ -48,10 +48,10 @@ pub(super) fn show(
         outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.add_space(GRID);
-    muted(ui, "±: the standard deviation of the identified value.");
+    ui.muted("±: the standard deviation of the identified value.");
     checkbox(ui, &mut panel.all, "Show unchanged parameters");
     if shown.is_empty() {
-        muted(ui, "There is nothing to compare.");
+        ui.muted("There is nothing to compare.");
     }
 }
 
@@ -70,7 +70,7 @@ pub(crate) fn lines<'a>(
     {
         let text =
             "none: the model has no such effect, so the controller gets the value without effect.";
-        muted(ui, text);
+        ui.muted(text);
     }
     touched
 }

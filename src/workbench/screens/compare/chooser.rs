@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{SessionSource, Side};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, named, path_field};
+use crate::widgets::{UiExt, icon_button, named, path_field};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};
@@ -26,14 +26,11 @@ const NARROW: f32 = 560.0;
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         let is_narrow = ui.available_width() < NARROW;
-        heading(
-            ui,
-            if is_narrow {
-                "Compare"
-            } else {
-                "Compare two sessions"
-            },
-        );
+        ui.heading(if is_narrow {
+            "Compare"
+        } else {
+            "Compare two sessions"
+        });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 outbox.send(ViewCommand::Go(model.previous_screen()));

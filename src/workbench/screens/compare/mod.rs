@@ -17,7 +17,7 @@ use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
 use crate::views::robot_3d::scene::{Scene, SceneInputs};
 use crate::views::robot_3d::show_beside;
-use crate::widgets::{Verdict, empty, muted, one_part, panel_frame, section, verdict};
+use crate::widgets::{UiExt, Verdict, one_part, panel_frame};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
 use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::samples::Sample;
@@ -90,16 +90,13 @@ pub fn show(
             ui.add_space(6.0 * GRID);
             ui.horizontal(|ui| {
                 ui.add_space(3.0 * GRID);
-                verdict(ui, Verdict::Bad, error);
+                ui.bad(error);
             });
         }
         None if model.tasks.runs(COMPARING) => {
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
-        None => empty(
-            ui,
-            "Choose two sessions of the same robot, such as before and after a repair. The comparison shows which pulleys have moved and what is only noise.",
-        ),
+        None => ui.empty("Choose two sessions of the same robot, such as before and after a repair. The comparison shows which pulleys have moved and what is only noise."),
     }
 }
 
@@ -160,16 +157,12 @@ fn differences(
         } else {
             Verdict::Good
         };
-        verdict(ui, kind, &in_words(comparison));
+        ui.verdict(kind, &in_words(comparison));
         for sentence in unexplained(comparison, ["A", "B"]) {
-            verdict(ui, Verdict::Bad, &sentence);
+            ui.bad(&sentence);
         }
         if is_outdated(model, compared) {
-            verdict(
-                ui,
-                Verdict::Doubtful,
-                "The open session was changed since it was compared.",
-            );
+            ui.doubtful("The open session was changed since it was compared.");
             if ui.button("Compare again").clicked() {
                 outbox.send(CompareCommand::Again);
             }
@@ -190,8 +183,8 @@ fn is_outdated(model: &Model, compared: &Compared) -> bool {
 
 fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        section(ui, "Residuals of the lengths");
-        muted(ui, "A filled, B as rings, each over its own poses");
+        ui.section("Residuals of the lengths");
+        ui.muted("A filled, B as rings, each over its own poses");
     });
     let height = ui.available_height().max(80.0);
     let name = "Plot: residuals of both sessions";

@@ -8,7 +8,7 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, Selection};
 use crate::screens::bench_panel::decimals_for;
 use crate::theme;
-use crate::widgets::{Cell, TableColumn, muted, section, table};
+use crate::widgets::{Cell, TableColumn, UiExt, table};
 use tautline_workflow::comparison::common_motion;
 use tautline_workflow::wording::units::mm;
 
@@ -19,7 +19,7 @@ pub fn show(
     compared: &Comparison,
     outbox: &mut Outbox,
 ) -> Option<usize> {
-    section(ui, "Pulleys, B minus A");
+    ui.section("Pulleys, B minus A");
     let columns = [
         TableColumn::words("Cable"),
         TableColumn::number("x", "mm"),
@@ -43,13 +43,10 @@ pub fn show(
         outbox.send(ViewCommand::Select(selection));
     }
     let motion = common_motion(compared).unwrap_or_default();
-    muted(
-        ui,
-        &format!(
+    ui.muted(&format!(
             "{motion} Relative to the pulleys that did not move, ± one standard deviation. Chance: how often noise alone \
              makes such a difference, corrected for the number of tests.",
-        ),
-    );
+        ));
     touched.clicked
 }
 

@@ -5,7 +5,7 @@ use egui_material_icons::icons;
 
 use super::problems::{FieldId, Problems};
 use crate::theme;
-use crate::widgets::{icon_button, muted};
+use crate::widgets::{UiExt, icon_button};
 
 /// Width of a field (points).
 const WIDTH: f32 = 240.0;
@@ -61,7 +61,7 @@ fn edit<T>(
             let colour = theme::of(ui).bad;
             let sentence = tautline_workflow::wording::sentence(&format!("{problem}."));
             let text = RichText::new(sentence).small().color(colour);
-            ui.add(egui::Label::new(text).wrap());
+            ui.wrapped(text);
         }
         beside
     });
@@ -72,7 +72,7 @@ fn edit<T>(
 /// Name and text in one line.
 pub fn labelled(ui: &mut Ui, name: &str, text: &str) {
     ui.horizontal_wrapped(|ui| {
-        muted(ui, name);
+        ui.muted(name);
         ui.label(RichText::new(text).monospace());
     });
 }

@@ -9,7 +9,7 @@ use super::field::{labelled, line};
 use super::problems::{FieldId, Problems};
 use super::test_line::{LaserTest, TestLine};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, choice, muted, section, verdict};
+use crate::widgets::{UiExt, choice};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaserFrom {
@@ -224,7 +224,7 @@ impl LaserDraft {
 
     /// Received lines and the distances parsed from them.
     fn test(&mut self, ui: &mut Ui, busy: bool) {
-        section(ui, "What arrives");
+        ui.section("What arrives");
         let settings = self.settings(&mut Problems::default());
         let Some(LaserSettings::Line(settings)) = settings.filter(|_| !busy) else {
             self.test = None;
@@ -233,7 +233,7 @@ impl LaserDraft {
             } else {
                 "Its lines are shown here once the fields above are filled in."
             };
-            muted(ui, text);
+            ui.muted(text);
             return;
         };
         if self
@@ -254,17 +254,15 @@ impl LaserDraft {
                 labelled(ui, "Last line", &line);
             }
             None => {
-                muted(ui, "Nothing has arrived yet.");
+                ui.muted("Nothing has arrived yet.");
             }
         }
         match parsed {
             Some(Ok(distance_m)) => {
-                let text = format!("Distance: {:.2} mm.", distance_m * 1e3);
-                verdict(ui, Verdict::Good, &text);
+                ui.good(&format!("Distance: {:.2} mm.", distance_m * 1e3));
             }
             Some(Err(why)) => {
-                let text = format!("{}.", tautline_workflow::wording::sentence(&why));
-                verdict(ui, Verdict::Doubtful, &text);
+                ui.doubtful(&format!("{}.", tautline_workflow::wording::sentence(&why)));
             }
             None => {}
         }

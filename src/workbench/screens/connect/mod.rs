@@ -25,9 +25,7 @@ use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup, UserFile};
 use crate::model::messages::full_sentence;
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
-use crate::widgets::{
-    TabOf, Verdict, checkbox, choice, heading, icon_button, modal, muted, primary, tab_row, verdict,
-};
+use crate::widgets::{TabOf, UiExt, checkbox, choice, icon_button, modal, primary, tab_row};
 
 pub use draft::Draft;
 
@@ -97,7 +95,7 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
     };
     let (is_open, is_left) = modal(ui, ("connect", WIDTH), |ui| {
         let room = ui.ctx().content_rect().height();
-        heading(ui, "Connect to a controller");
+        ui.heading("Connect to a controller");
         tabs(ui, &mut draft);
         let settings = draft.settings(&present);
         let problems = settings.as_ref().err().cloned().unwrap_or_default();
@@ -233,7 +231,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
     });
     if draft.security == Some(OpcUaSecurity::None) {
         let text = "Not encrypted: everybody on the network can read and change the messages.";
-        verdict(ui, Verdict::Neutral, text);
+        ui.neutral(text);
     }
     wrapped(
         ui,
@@ -329,7 +327,7 @@ fn chosen<T: Copy + PartialEq + std::fmt::Display>(
             .response
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, label.as_str()));
         if let Some(problem) = problem {
-            verdict(ui, Verdict::Bad, &sentence(&format!("{problem}.")));
+            ui.bad(&sentence(&format!("{problem}.")));
         }
     });
     ui.end_row();
@@ -338,7 +336,7 @@ fn chosen<T: Copy + PartialEq + std::fmt::Display>(
 fn wrapped(ui: &mut Ui, text: &str) {
     let colour = theme::of(ui).muted;
     let text = egui::RichText::new(text).color(colour);
-    ui.add(egui::Label::new(text).wrap());
+    ui.wrapped(text);
 }
 
 fn symbols(
@@ -393,10 +391,10 @@ fn symbols(
         }
     });
     if let Some((kind, text)) = draft.names().rows.summary() {
-        verdict(ui, kind, &text);
+        ui.verdict(kind, &text);
     }
     if let Some(text) = problems.of(FieldId::Symbols) {
-        verdict(ui, Verdict::Bad, &sentence(&format!("{text}.")));
+        ui.bad(&sentence(&format!("{text}.")));
     }
     let names = draft.names_mut();
     names.rows.show(ui, names.is_custom, problems);
@@ -408,7 +406,7 @@ fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
         return;
     };
     let connects = *connects;
-    verdict(ui, Verdict::Bad, &full_sentence(&server.to_string()));
+    ui.bad(&full_sentence(&server.to_string()));
     let button = egui::Button::new("Trust this certificate");
     let button = ui.add_enabled(can, button);
     if button
@@ -446,10 +444,10 @@ fn footer(
     };
     trust(ui, draft, why.is_none(), outbox);
     match (&why, &draft.refused) {
-        (Some(text), _) => verdict(ui, Verdict::Neutral, text),
-        (None, Some(text)) => verdict(ui, Verdict::Bad, text),
+        (Some(text), _) => ui.neutral(text),
+        (None, Some(text)) => ui.bad(text),
         (None, None) => {
-            muted(ui, "The settings are saved in the session.");
+            ui.muted("The settings are saved in the session.");
         }
     }
     let mut open = true;

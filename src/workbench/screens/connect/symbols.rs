@@ -9,7 +9,7 @@ use tautline_session::{SymbolMapping, is_per_cable, name_of_cable};
 use super::entry::{SymbolRole, no_command, read, title_of, unit_of, write};
 use super::problems::{FieldId, Problems};
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, parse_number};
+use crate::widgets::{UiExt, Verdict, parse_number};
 use tautline_workflow::wording::{count, sentence};
 
 /// Width (points) at which the columns fit side by side.
@@ -192,7 +192,7 @@ impl SymbolRows {
                     "Unit",
                     "At the controller",
                 ] {
-                    muted(ui, title);
+                    ui.muted(title);
                 }
                 ui.end_row();
                 for (k, (row, found)) in rows {
@@ -212,14 +212,14 @@ impl SymbolRow {
         edit(ui, own, &name, &mut self.symbol, 208.0);
         if self.need.has_scale() {
             if is_titled {
-                muted(ui, "Scale");
+                ui.muted("Scale");
             }
             let name = format!("Scale: {}", self.title);
             edit(ui, own, &name, &mut self.scale, 56.0);
         } else if !is_titled {
             ui.label("");
         }
-        muted(ui, &self.unit);
+        ui.muted(&self.unit);
     }
 
     /// Answer of the controller, or the error of the row.

@@ -7,7 +7,7 @@ use super::rows::{Cell, heads, row};
 use super::{Panel, card, gain};
 use crate::model::findings;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, probability, verdict};
+use crate::widgets::{UiExt, probability};
 use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::units::{fixed, mm};
@@ -31,11 +31,7 @@ pub fn body(
         ui,
         &format!("{}. One of {} causes", number + 1, causes.len()),
     );
-    verdict(
-        ui,
-        Verdict::Doubtful,
-        "These data cannot distinguish the causes below, which exclude each other: each changes the readings at these poses in nearly the same way.",
-    );
+    ui.doubtful("These data cannot distinguish the causes below, which exclude each other: each changes the readings at these poses in nearly the same way.");
     if ui.available_width() < NARROWEST * causes.len() as f32 {
         for cause in causes {
             ui.separator();
@@ -50,20 +46,17 @@ pub fn body(
             }
         });
     }
-    muted(ui, &card::evidence(finding));
+    ui.muted(&card::evidence(finding));
     gain::show(ui, &finding.gain);
     if let Some((heading, text)) = diagnosed.decides(finding) {
         ui.add_space(GRID);
-        muted(ui, heading);
+        ui.muted(heading);
         card::paragraph(ui, &text);
     }
     if let Some(separation) = &finding.separation {
         separating(ui, panel, separation);
     }
-    muted(
-        ui,
-        "Sizes and geometry are valid only if the chosen cause is the right one.",
-    );
+    ui.muted("Sizes and geometry are valid only if the chosen cause is the right one.");
 }
 
 fn alternative(
@@ -74,7 +67,7 @@ fn alternative(
 ) {
     let robot = diagnosed.robot();
     let name = diagnosed.subject(subject);
-    ui.add(egui::Label::new(egui::RichText::new(&name).font(theme::strong(13.0))).wrap());
+    ui.wrapped(egui::RichText::new(&name).font(theme::strong(13.0)));
     probability(ui, &name, probable);
     let Some(cause) = subject.cause() else {
         card::paragraph(
@@ -105,7 +98,7 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         return;
     }
     ui.add_space(GRID);
-    muted(ui, "Poses that would tell them apart");
+    ui.muted("Poses that would tell them apart");
     let shares = [2.0, 3.0, 3.0, 3.0, 2.5, 2.5, 2.5];
     heads(
         ui,
@@ -122,13 +115,9 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         cells.extend(texts.into_iter().map(Cell::new));
         row(ui, &shares, &cells, None, &name);
     }
-    muted(ui, "rx, ry, rz: rotation vector about the axes of the base");
+    ui.muted("rx, ry, rz: rotation vector about the axes of the base");
     if findings::are_planned(panel.open, &separation.poses) {
-        verdict(
-            ui,
-            Verdict::Good,
-            "These poses are in the plan: measure them in phase 3, then identify again.",
-        );
+        ui.good("These poses are in the plan: measure them in phase 3, then identify again.");
         return;
     }
     let add = ui.button("Add these poses to the plan");

@@ -15,7 +15,7 @@ use crate::model::findings;
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
 use crate::views::pulley_inspector;
-use crate::widgets::{Verdict, icon_button, muted, named, probability, verdict};
+use crate::widgets::{UiExt, icon_button, named, probability};
 use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences::of_finding;
 use tautline_workflow::wording::probability::{odds_between, percent};
@@ -94,11 +94,11 @@ fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &
 }
 
 pub fn title(ui: &mut Ui, text: &str) {
-    ui.add(egui::Label::new(RichText::new(text).font(theme::strong(14.0))).wrap());
+    ui.wrapped(RichText::new(text).font(theme::strong(14.0)));
 }
 
 pub fn paragraph(ui: &mut Ui, text: &str) {
-    ui.add(egui::Label::new(text).wrap());
+    ui.wrapped(text);
 }
 
 /// Card of a single cause: name, probability and size, then actions, then evidence.
@@ -129,7 +129,7 @@ fn single(
     otherwise(ui, diagnosed, finding);
     advice(ui, &finding.advice);
     if let Some((heading, text)) = diagnosed.decides(finding) {
-        muted(ui, heading);
+        ui.muted(heading);
         paragraph(ui, &text);
     }
 }
@@ -144,14 +144,10 @@ fn unknown(
 ) {
     title(ui, &diagnosed.heading(finding));
     paragraph(ui, &finding.sentence);
-    verdict(
-        ui,
-        Verdict::Doubtful,
-        "No cause is named: only which readings depend on which variable.",
-    );
+    ui.doubtful("No cause is named: only which readings depend on which variable.");
     shown_by(ui, panel, diagnosed, number);
     if !finding.advice.is_empty() {
-        muted(ui, "What helps");
+        ui.muted("What helps");
         paragraph(ui, &finding.advice);
     }
     patterns::show(ui, panel);
@@ -192,10 +188,9 @@ fn shown_by(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
     let readings = sentence(&readings(evidence.quantity, cable.as_deref()));
     let against = evidence.figure.x.title().to_lowercase();
     ui.add_space(GRID);
-    muted(
-        ui,
-        &format!("{readings} against {against}, with all other causes in the model:"),
-    );
+    ui.muted(&format!(
+        "{readings} against {against}, with all other causes in the model:"
+    ));
     let name = format!(
         "Evidence of finding {}: {readings} against {against}",
         number + 1
@@ -211,7 +206,7 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     let Some(size) = diagnosed.size(&finding.parameters) else {
         return;
     };
-    let label = ui.add(egui::Label::new(format!("Size: {size}")).wrap());
+    let label = ui.wrapped(format!("Size: {size}"));
     let is_only = finding.parameters.len() == 1;
     let intervals: Vec<_> = finding
         .parameters
@@ -220,7 +215,7 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
         .collect();
     label.on_hover_text(intervals.join("\n"));
     if let ([one], true) = (&intervals[..], is_only) {
-        muted(ui, one);
+        ui.muted(one);
     }
 }
 
@@ -275,7 +270,7 @@ fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
         percent(next.probability),
         odds_between(finding.probability, next.probability)
     );
-    let label = muted(ui, &text);
+    let label = ui.muted(&text);
     if let [own, next, ..] = &finding.evidence.ranking[..] {
         label.on_hover_text(format!(
             "Chi-square falls by {:.1} with this cause and by {:.1} with the other.",
@@ -287,7 +282,7 @@ fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
 /// Advice for the workshop.
 pub fn advice(ui: &mut Ui, advice: &str) {
     if !advice.is_empty() {
-        muted(ui, "Check in the workshop");
+        ui.muted("Check in the workshop");
         paragraph(ui, advice);
     }
 }
@@ -311,7 +306,7 @@ pub fn actions(
             .iter()
             .any(|one| effects.iter().any(|other| same_effect(one, other)))
     {
-        verdict(ui, Verdict::Bad, &format!("Not added, because {reason}."));
+        ui.bad(&format!("Not added, because {reason}."));
     }
     if cause.effect().search() == Search::Exchange {
         back_to_import(ui, panel);
@@ -330,7 +325,7 @@ pub fn actions(
 }
 
 fn in_model(ui: &mut Ui, panel: &mut Panel<'_>, settings: &[EffectSetting], name: &str) {
-    verdict(ui, Verdict::Good, "In the model");
+    ui.good("In the model");
     let remove = ui.button("Remove from model");
     if named(remove, &format!("Remove {name} from model")).clicked() {
         let what = effects::removing(name);
@@ -351,7 +346,7 @@ fn add(
         let what = findings::adding_named(name);
         panel.outbox.send(Edit::AddEffects(settings, what));
     }
-    muted(ui, when);
+    ui.muted(when);
 }
 
 fn repaired(
@@ -364,5 +359,5 @@ fn repaired(
     if named(repaired, &format!("Repaired: measure again: {name}")).clicked() {
         panel.outbox.send(FileCommand::NewSeries(settings.to_vec()));
     }
-    muted(ui, when);
+    ui.muted(when);
 }

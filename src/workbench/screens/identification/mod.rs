@@ -18,7 +18,7 @@ use egui::Ui;
 use crate::model::command::Outbox;
 use crate::model::open_session::StoredFit;
 use crate::model::{Model, OpenSession};
-use crate::widgets::{Verdict, heading, muted, verdict};
+use crate::widgets::UiExt;
 
 /// Halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -51,16 +51,13 @@ struct Panel<'a> {
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    heading(ui, "Identification");
+    ui.heading("Identification");
     let Some(open) = &model.open else {
         return;
     };
     let poses = open.session().measurements.len();
     if poses == 0 {
-        muted(
-            ui,
-            "Pulley positions and a diagnosis of the model appear here once poses are measured. Measure in phase 3, or open a dataset folder.",
-        );
+        ui.muted("Pulley positions and a diagnosis of the model appear here once poses are measured. Measure in phase 3, or open a dataset folder.");
         return;
     }
     let panel = &mut Panel {
@@ -82,16 +79,9 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 }
 
 fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
-    muted(
-        ui,
-        "Estimates the pulley positions from the measured poses.",
-    );
+    ui.muted("Estimates the pulley positions from the measured poses.");
     if panel.open.stored() == StoredFit::OutOfDate {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "The result in this session belongs to other data: identify again.",
-        );
+        ui.doubtful("The result in this session belongs to other data: identify again.");
     }
     check::show(ui, panel);
     identify::show(ui, panel);

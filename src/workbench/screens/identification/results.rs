@@ -13,7 +13,7 @@ use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::model::next_step::of_fit;
 use crate::theme::{self, GRID};
 use crate::views::pulley_inspector;
-use crate::widgets::{Verdict, checkbox, muted, section, verdict};
+use crate::widgets::{UiExt, Verdict, checkbox};
 use tautline_workflow::identification::{
     FitVerdict, Identification, entry_point_covariance, entry_point_sd,
 };
@@ -24,13 +24,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let Some(fit) = panel.open.fit().cloned() else {
         return;
     };
-    section(ui, "Result");
+    ui.section("Result");
     if !panel.open.fit_is_current() && !panel.model.tasks.runs(IDENTIFYING) {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "The inputs have changed: identify again.",
-        );
+        ui.doubtful("The inputs have changed: identify again.");
     }
     adequacy(ui, panel, &fit);
     if panel.open.fit_is_current() && !panel.open.diagnosis_is_current() {
@@ -40,13 +36,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     pulleys(ui, panel, &fit);
     others(ui, &fit);
     if !fit.open.is_empty() {
-        section(ui, "Not determined by the data");
+        ui.section("Not determined by the data");
         for open in &fit.open {
-            verdict(
-                ui,
-                Verdict::Doubtful,
-                &format!("{}.", sentence(&open.sentence)),
-            );
+            ui.doubtful(&format!("{}.", sentence(&open.sentence)));
         }
     }
     suspects::show(ui, panel, &fit);
@@ -60,7 +52,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         false => Verdict::Neutral,
     };
     for problem in of_fit(panel.model, panel.open, fit) {
-        verdict(ui, wrong, &problem.text);
+        ui.verdict(wrong, &problem.text);
     }
     let explains = FitVerdict::of(solution.p_value());
     let kind = match explains {
@@ -69,9 +61,9 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         FitVerdict::Inadequate | FitVerdict::Untested => Verdict::Neutral,
     };
     if explains == FitVerdict::Inadequate {
-        muted(ui, "The standard deviations are valid only if it does.");
+        ui.muted("The standard deviations are valid only if it does.");
     } else {
-        verdict(ui, kind, &format!("{}.", sentence(explains.words())));
+        ui.verdict(kind, &format!("{}.", sentence(explains.words())));
     }
     if let Some(missed) = fit.residual_ratio() {
         let before = panel.model.identification.before.as_ref();
@@ -86,9 +78,9 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
             "Chi-square {:.1} for {:.0} degrees of freedom{test}; a correct model gives about 1.",
             solution.chi2, solution.degrees_of_freedom
         );
-        muted(ui, &text).on_hover_text(tip);
+        ui.muted(&text).on_hover_text(tip);
         if let Some((before, old)) = before.and_then(|before| Some((before, before.missed?))) {
-            let text = format!(
+            ui.muted(&format!(
                 "Before: {} times (chi-square {:.1} for {:.0} degrees of freedom, now {:.1} for {:.0}). Last change: {}.",
                 ratio(old),
                 before.chi2,
@@ -96,8 +88,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
                 solution.chi2,
                 solution.degrees_of_freedom,
                 before.what
-            );
-            muted(ui, &text);
+            ));
         }
     }
 }
@@ -105,11 +96,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
 fn published(ui: &mut Ui, fit: &Identification) {
     match &fit.published {
         None => {}
-        Some(Err(error)) => verdict(
-            ui,
-            Verdict::Doubtful,
-            &format!("{}: it cannot be compared.", sentence(error)),
-        ),
+        Some(Err(error)) => ui.doubtful(&format!("{}: it cannot be compared.", sentence(error))),
         Some(Ok(published)) => {
             let solution = &published.poses.solution;
             let missed = (solution.chi2 / solution.degrees_of_freedom.max(1.0)).sqrt();
@@ -118,11 +105,10 @@ fn published(ui: &mut Ui, fit: &Identification) {
             } else {
                 " It did not converge."
             };
-            let text = format!(
+            ui.doubtful(&format!(
                 "The published method leaves residuals of {} times the expected noise.{end} It takes some coordinates as given and applies no weights: for comparison only.",
                 ratio(missed)
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
     }
 }
@@ -206,10 +192,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
             pulley_inspector::button(ui, (index, &cable.name), panel.outbox);
         }
     }
-    muted(
-        ui,
-        "Moved: distance from the nominal position. ±: standard deviation in that direction. Double-click a pulley to inspect it.",
-    );
+    ui.muted("Moved: distance from the nominal position. ±: standard deviation in that direction. Double-click a pulley to inspect it.");
 }
 
 /// Coordinates of a pulley.
@@ -278,12 +261,9 @@ fn others(ui: &mut Ui, fit: &Identification) {
     if lines.is_empty() {
         return;
     }
-    section(
-        ui,
-        match plane {
-            Some(_) => "Home pose and target plane: change",
-            None => "Home pose: change",
-        },
-    );
+    ui.section(match plane {
+        Some(_) => "Home pose and target plane: change",
+        None => "Home pose: change",
+    });
     identify::pair(ui, "home and plane", &lines);
 }

@@ -9,17 +9,17 @@ use super::Bench;
 use crate::model::Model;
 use crate::model::command::{CUTTING, RecordingCommand};
 use crate::theme;
-use crate::widgets::{Verdict, icon_button, muted, primary, section, verdict};
+use crate::widgets::{UiExt, Verdict, icon_button, primary};
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Check");
+    ui.section("Check");
     let Some(cut) = bench.open.cut.clone() else {
-        muted(ui, "The readings are checked once poses are cut.");
+        ui.muted("The readings are checked once poses are cut.");
         return;
     };
     let suggestions = bench.open.suggestions();
     for (k, suggestion) in suggestions.iter().enumerate() {
-        verdict(ui, Verdict::Doubtful, &format!("{}.", suggestion.sentence));
+        ui.doubtful(&format!("{}.", suggestion.sentence));
         let name = format!("Correct {}", suggestion.columns.join(", "));
         if icon_button(ui, icons::ICON_BUILD, &name, true).clicked() {
             bench.outbox.send(RecordingCommand::Apply(k));
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     }
     match &cut.result {
         Err(error) => {
-            verdict(ui, Verdict::Bad, &format!("{}.", error.error));
+            ui.bad(&format!("{}.", error.error));
         }
         Ok(_) if suggestions.is_empty() => readings(ui, &cut.checks),
         Ok(_) => {}
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         .default_open(true)
         .show(ui, |ui| {
             for notice in notices {
-                muted(ui, &format!("{notice}."));
+                ui.muted(&format!("{notice}."));
             }
         });
 }
@@ -66,13 +66,13 @@ fn readings(ui: &mut Ui, checks: &[CheckItem]) {
             CheckOutcome::Notice => Verdict::Doubtful,
             CheckOutcome::NotEvaluated | CheckOutcome::Pass => Verdict::Neutral,
         };
-        verdict(ui, kind, &item.sentence);
+        ui.verdict(kind, &item.sentence);
         if let Some(action) = &item.action {
-            muted(ui, action);
+            ui.muted(action);
         }
     }
     if open.count() == 0 {
-        verdict(ui, Verdict::Good, "No mistake is found in the readings.");
+        ui.good("No mistake is found in the readings.");
     }
 }
 

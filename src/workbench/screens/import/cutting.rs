@@ -5,7 +5,7 @@ use tautline_import::{Cutting, Rest};
 
 use super::Bench;
 use crate::theme::GRID;
-use crate::widgets::{checkbox, muted, radio, section};
+use crate::widgets::{UiExt, checkbox, radio};
 
 /// Degrees per radian.
 const DEGREES: f64 = 57.295_779_513_082_32;
@@ -54,7 +54,7 @@ const THRESHOLDS: [Threshold; 4] = [
 ];
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Poses");
+    ui.section("Poses");
     let recipe = bench.open.draft.recipe();
     let now = recipe.cutting;
     let rest = match now {
@@ -92,13 +92,10 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         let used: usize = rows.sum();
         let all = bench.open.all_series().map(|series| series.rows).max();
         let all = all.unwrap_or_default();
-        muted(
-            ui,
-            &format!(
-                "{} poses of {used} rows; the longest series has {all}.",
-                poses.len()
-            ),
-        );
+        ui.muted(&format!(
+            "{} poses of {used} rows; the longest series has {all}.",
+            poses.len()
+        ));
     }
 }
 

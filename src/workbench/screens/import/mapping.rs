@@ -5,7 +5,7 @@ use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
 
 use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
+use crate::widgets::{Entered, Number, UiExt, checkbox, choice, number};
 
 const UNUSED: &str = "Not used";
 
@@ -53,8 +53,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
         entry: open.draft.recipe().entry_of(&series.name, name, cables),
         pattern: panel.pattern.as_ref().and_then(|known| known.found.clone()),
     };
-    heading(ui, name);
-    muted(ui, &words(&shown, place.channel));
+    ui.heading(name);
+    ui.muted(&words(&shown, place.channel));
     ui.add_space(GRID);
     scope(ui, &shown, panel, cables);
     let for_all = panel.for_all && shown.pattern.is_some();

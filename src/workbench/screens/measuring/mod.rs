@@ -20,7 +20,7 @@ use crate::model::command::Outbox;
 use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand};
 use crate::model::next_step::no_home;
 use crate::model::{Memo, Model, OpenSession};
-use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button};
 use tautline_workflow::clock;
 use tautline_workflow::report::overdue;
 
@@ -73,15 +73,12 @@ impl Default for PanelState {
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    heading(ui, "Measuring");
+    ui.heading("Measuring");
     if model.link.is_under_way() {
         // While the robot moves, nothing else needs attention.
         return run::under_way(ui, model, panel, outbox);
     }
-    muted(
-        ui,
-        "The robot visits poses that determine its pulleys well; at each it stops and all sensors are read.",
-    );
+    ui.muted("The robot visits poses that determine its pulleys well; at each it stops and all sensors are read.");
     ask(model, panel, outbox);
     instruments(ui, model);
     plan(ui, model, panel, outbox);
@@ -119,30 +116,24 @@ fn instruments(ui: &mut Ui, model: &Model) {
         false => used,
     };
     for text in overdue(instruments, clock::now()) {
-        verdict(ui, Verdict::Doubtful, &text);
+        ui.doubtful(&text);
     }
     if robot.laser.is_none() {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "This robot has no laser distance sensor. Without it the height of the platform and the size of the frame \
-             are poorly determined. Mount one and add it to the robot description, or expect large standard deviations.",
-        );
+        ui.doubtful("This robot has no laser distance sensor. Without it the height of the platform and the size of the frame \
+             are poorly determined. Mount one and add it to the robot description, or expect large standard deviations.");
     }
     if !robot.has_force_sensors() {
-        verdict(
-            ui,
-            Verdict::Doubtful,
+        ui.doubtful(
             "This robot has no force sensors: elongation and sag of the cables are not corrected.",
         );
     }
     if let Some(problem) = no_home(open) {
-        verdict(ui, Verdict::Bad, &problem.text);
+        ui.bad(&problem.text);
     }
 }
 
 fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    section(ui, "Poses to measure");
+    ui.section("Poses to measure");
     until::settings(ui, model, &mut panel.until, outbox);
     if model
         .open

@@ -6,7 +6,7 @@ use tautline_core::simulation::TensionRange;
 use super::name_of;
 use crate::model::Model;
 use crate::theme::{self, GRID};
-use crate::widgets::{muted, section, value};
+use crate::widgets::UiExt;
 use tautline_workflow::wording::cable_label;
 use tautline_workflow::wording::units::fixed;
 
@@ -20,7 +20,7 @@ const FULL: f64 = 0.85;
 pub(in crate::screens) fn position(ui: &mut Ui, model: &Model) {
     if let Some(pose) = model.link.live().pose {
         let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
-        value(ui, "Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
+        ui.value("Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
     }
 }
 
@@ -40,18 +40,15 @@ pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     if read.is_empty() {
         return;
     }
-    section(ui, "Tensions");
+    ui.section("Tensions");
     for (k, tension_n) in read {
         bar(ui, (k, name_of(model, k)), tension_n, range);
     }
-    muted(
-        ui,
-        &format!(
-            "Allowed: {} to {} N (marks).",
-            fixed(range.lower_n, 0),
-            fixed(range.upper_n, 0)
-        ),
-    );
+    ui.muted(&format!(
+        "Allowed: {} to {} N (marks).",
+        fixed(range.lower_n, 0),
+        fixed(range.upper_n, 0)
+    ));
 }
 
 fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {

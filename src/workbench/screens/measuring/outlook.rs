@@ -11,7 +11,7 @@ use crate::model::command::EXPECTING;
 use crate::model::{Model, Selection};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Verdict, fault_window, muted, value, verdict};
+use crate::widgets::{UiExt, Verdict, fault_window};
 use tautline_workflow::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
@@ -24,25 +24,20 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     let session = open.session();
     if session.plan.is_empty() {
         if session.measurements.is_empty() {
-            muted(
-                ui,
-                "No poses are planned yet. A plan predicts how accurately the pulleys will be identified.",
-            );
+            ui.muted("No poses are planned yet. A plan predicts how accurately the pulleys will be identified.");
         }
         return;
     }
     let outlook = match model.outlook.as_ref().map(|outlook| &outlook.result) {
         Some(Ok(outlook)) => outlook,
         Some(Err(why)) => {
-            let text = format!("The accuracy of this plan cannot be predicted: {why}.");
-            verdict(ui, Verdict::Neutral, &text);
+            ui.neutral(&format!(
+                "The accuracy of this plan cannot be predicted: {why}."
+            ));
             return;
         }
         None if model.tasks.runs(EXPECTING) => {
-            ui.horizontal(|ui| {
-                ui.spinner();
-                muted(ui, "Predicting the accuracy of this plan.");
-            });
+            ui.busy("Predicting the accuracy of this plan.");
             return;
         }
         None => return,
@@ -55,10 +50,10 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         Some(_) => Verdict::Neutral,
         None => Verdict::Doubtful,
     };
-    verdict(ui, kind, &words);
+    ui.verdict(kind, &words);
     let unchecked = session.robot.unchecked_tensions().map(str::to_owned);
     for sentence in unchecked.into_iter().chain(outlook.home.sentence()) {
-        muted(ui, &sentence);
+        ui.muted(&sentence);
     }
     if let Some(table) = &outlook.isolability {
         faults(ui, table, &mut panel.shows_faults);
@@ -86,13 +81,10 @@ fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
             .iter()
             .filter(|kind| kind.detection[0] >= SEEN)
             .count();
-        muted(
-            ui,
-            &format!(
-                "{seen} of {} kinds of fault would be seen",
-                table.kinds.len()
-            ),
-        );
+        ui.muted(&format!(
+            "{seen} of {} kinds of fault would be seen",
+            table.kinds.len()
+        ));
     });
     fault_window(ui, table, is_shown);
 }
@@ -201,12 +193,11 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
         .filter(|_| done > 0 && done < all)
     {
         if sd_mm <= goal_mm {
-            let text = format!(
+            ui.good(&format!(
                 "Goal reached: after {done} poses the standard deviation is {sd_mm:.2} mm. You may stop here."
-            );
-            verdict(ui, Verdict::Good, &text);
+            ));
         } else {
-            muted(ui, &format!("After {done} of {all} poses: {sd_mm:.2} mm."));
+            ui.muted(&format!("After {done} of {all} poses: {sd_mm:.2} mm."));
         }
     }
 }
@@ -216,8 +207,8 @@ type Criterion = fn(&DesignCriteria) -> Option<f64>;
 
 fn details(ui: &mut Ui, outlook: &PlanSummary) {
     let travel = format!("{:.1}", outlook.travel_m);
-    value(ui, "Travel distance", &travel, "m");
-    muted(ui, "These poses / the same number of random poses:");
+    ui.value("Travel distance", &travel, "m");
+    ui.muted("These poses / the same number of random poses:");
     let metres: [(&str, Criterion); 3] = [
         ("A-optimality: mean of the coordinates", |c| c.mean_m),
         ("E-optimality: worst direction", |c| c.worst_m),
@@ -230,11 +221,11 @@ fn details(ui: &mut Ui, outlook: &PlanSummary) {
             let undetermined = || "undetermined".to_owned();
             of(criteria).map_or_else(undetermined, |m| format!("{:.2}", m * 1e3))
         });
-        value(ui, name, &format!("{planned} / {random}"), "mm");
+        ui.value(name, &format!("{planned} / {random}"), "mm");
     }
     let [planned, random] = [&outlook.expected, &outlook.random].map(|criteria| criteria.log_det);
     let name = "D-optimality: log determinant of the information";
-    value(ui, name, &format!("{planned:.1} / {random:.1}"), "");
+    ui.value(name, &format!("{planned:.1} / {random:.1}"), "");
 }
 
 #[cfg(test)]

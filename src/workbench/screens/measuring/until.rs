@@ -1,6 +1,6 @@
 //! Measuring until goals are reached: the goals, and the assessment after each pose.
 
-use egui::{Label, Ui};
+use egui::Ui;
 use tautline_core::sequential::{Assessment, FIRST_POSES, Goal};
 use tautline_session::UntilSettings;
 use tautline_workflow::sequential::{SequentialRun, UntilDocument};
@@ -11,9 +11,7 @@ use crate::model::edit::Edit;
 use crate::model::link::RunLog;
 use crate::model::{Memo, Model};
 use crate::theme::{self, GRID};
-use crate::widgets::{
-    Entered, Number, Verdict, checkbox, meter, muted, number_checked, section, verdict,
-};
+use crate::widgets::{Entered, Number, UiExt, Verdict, checkbox, meter, number_checked};
 
 /// State between frames.
 #[derive(Debug)]
@@ -105,13 +103,10 @@ pub(super) fn settings(ui: &mut Ui, model: &Model, state: &mut UntilState, outbo
         return;
     }
     match model.undecidable() {
-        Some(why) => verdict(ui, Verdict::Doubtful, why),
+        Some(why) => ui.doubtful(why),
         None => {
-            muted(
-                ui,
-                "Every pose is chosen by what the poses before have told. The run ends when all goals are reached, when no pose \
-                 would help, or at the largest number.",
-            );
+            ui.muted("Every pose is chosen by what the poses before have told. The run ends when all goals are reached, when no pose \
+                 would help, or at the largest number.");
         }
     }
 }
@@ -198,7 +193,7 @@ pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
     let Some(until) = &run.until else {
         return;
     };
-    section(ui, "What is known");
+    ui.section("What is known");
     let key = (open.id(), open.revision(), until.end());
     let robot = &open.session().robot;
     let document = state.known.get(key, || until.document(robot));
@@ -209,12 +204,9 @@ pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
             causes(ui, document);
         }
         None if !run.has_ended() => {
-            muted(
-                ui,
-                &format!(
+            ui.muted(&format!(
                     "The first {FIRST_POSES} poses determine the geometry; then each is chosen by what is known."
-                ),
-            );
+                ));
         }
         None => {}
     }
@@ -268,7 +260,7 @@ fn causes(ui: &mut Ui, document: &UntilDocument) {
         return;
     }
     ui.add_space(GRID);
-    muted(ui, "Still possible:");
+    ui.muted("Still possible:");
     let palette = theme::of(ui);
     for set in &document.sets {
         let (what, now) = (
@@ -286,7 +278,7 @@ fn row(ui: &mut Ui, name: &str, number: &str) {
     ui.add_space(0.5 * GRID);
     ui.horizontal_top(|ui| {
         let width = ui.available_width() - 22.0 * GRID;
-        ui.allocate_ui(egui::vec2(width, 0.0), |ui| ui.add(Label::new(name).wrap()));
+        ui.allocate_ui(egui::vec2(width, 0.0), |ui| ui.wrapped(name));
         let right = egui::Layout::right_to_left(egui::Align::Min);
         ui.with_layout(right, |ui| ui.label(number));
     });
@@ -301,9 +293,9 @@ fn why(ui: &mut Ui, run: &RunLog, until: &SequentialRun, document: &UntilDocumen
         };
         let poses = until.assessment().map_or(0, |known| known.poses);
         let poses = tautline_workflow::wording::count(poses, "pose");
-        verdict(ui, kind, &format!("{} after {poses}.", sentence(end)));
+        ui.verdict(kind, &format!("{} after {poses}.", sentence(end)));
         for help in &document.help {
-            verdict(ui, Verdict::Neutral, help);
+            ui.neutral(help);
         }
         return;
     }
@@ -312,6 +304,6 @@ fn why(ui: &mut Ui, run: &RunLog, until: &SequentialRun, document: &UntilDocumen
         return;
     }
     if let Some(chosen) = until.poses().last() {
-        ui.add(Label::new(format!("Pose {} {}.", chosen.pose, chosen.reason)).wrap());
+        ui.wrapped(format!("Pose {} {}.", chosen.pose, chosen.reason));
     }
 }

@@ -10,12 +10,12 @@ use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, path_field};
+use crate::widgets::{UiExt, icon_button, path_field};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = model.record.open();
     ui.horizontal(|ui| {
-        heading(ui, "Record of a robot");
+        ui.heading("Record of a robot");
         if let Some(open) = open {
             ui.label(RichText::new(open.record.title()).font(theme::strong(13.0)));
         }

@@ -13,7 +13,7 @@ use crate::model::command::{Outbox, PlotCommand, ViewCommand};
 use crate::model::record::OpenRecord;
 use crate::theme::GRID;
 use crate::views::plots::small::{Linked, legend_of, show_linked};
-use crate::widgets::{muted, section};
+use crate::widgets::UiExt;
 
 /// Smallest width of a plot, its height, and the gap between plots (points).
 const WIDTH: f32 = 330.0;
@@ -44,11 +44,8 @@ impl Lanes {
 
 pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        section(ui, "Courses");
-        muted(
-            ui,
-            "less the last session. Line with 95 % band: all sessions together; points: each by itself; shaded dates: when it jumped; dashed: events",
-        );
+        ui.section("Courses");
+        ui.muted("less the last session. Line with 95 % band: all sessions together; points: each by itself; shaded dates: when it jumped; dashed: events");
     });
     let first = lanes.plots.first().map(|(_, figure)| figure);
     if let Some(first) = first {

@@ -26,8 +26,7 @@ use crate::views::ViewStates;
 use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SceneInputs, SideNames};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
-    Entered, Number, Verdict, choice, empty, muted, number_checked, one_part, panel_frame, section,
-    verdict,
+    Entered, Number, UiExt, Verdict, choice, number_checked, one_part, panel_frame,
 };
 
 #[derive(Debug, Default)]
@@ -87,17 +86,14 @@ pub fn show(
             ui.add_space(6.0 * GRID);
             ui.horizontal(|ui| {
                 ui.add_space(3.0 * GRID);
-                verdict(ui, Verdict::Bad, error);
+                ui.bad(error);
             });
         }
         None if model.tasks.runs(READING_RECORD) => {
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
-        None => empty(
-            ui,
-            "Choose a folder with the sessions of one robot. The record shows what moved between which dates, what drifts, and when \
-             to calibrate again.",
-        ),
+        None => ui.empty("Choose a folder with the sessions of one robot. The record shows what moved between which dates, what drifts, and when \
+             to calibrate again."),
     }
 }
 
@@ -198,7 +194,7 @@ fn robot(
                 };
                 ui.add(slider.custom_formatter(name)).labelled_by(label.id);
             });
-            muted(ui, &path_in_words(drawn, model.selection));
+            ui.muted(&path_in_words(drawn, model.selection));
         });
     let view = (&mut views.record_3d, &mut views.hovered);
     show_beside(ui, &drawn.scene, model.selection, view, outbox);
@@ -227,17 +223,17 @@ fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, ou
             false => Verdict::Good,
         };
         for sentence in told(&open.record, &open.found) {
-            verdict(ui, kind, &sentence);
+            ui.verdict(kind, &sentence);
         }
         if let Some(sentence) = next_calibration(&open.record, &open.found) {
-            verdict(ui, Verdict::Neutral, &sentence);
+            ui.neutral(&sentence);
         }
         for notice in &open.record.notices {
-            muted(ui, notice);
+            ui.muted(notice);
         }
         ui.add_space(GRID);
         tolerance(ui, model.record.tolerance, outbox);
-        section(ui, "Sessions");
+        ui.section("Sessions");
         sessions::show(ui, open, panel, outbox);
         if let Some(checked) = &model.record.checked {
             health(ui, open, checked);
@@ -281,7 +277,7 @@ fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
     let [before, now] = checked
         .sessions
         .map(|k| open.record.sessions[k].name.as_str());
-    section(ui, &format!("Health check: {now} against {before}"));
+    ui.section(&format!("Health check: {now} against {before}"));
     match &checked.result {
         Ok((found, sentences)) => {
             let kind = match found {
@@ -291,13 +287,13 @@ fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
             };
             let mut sentences = sentences.iter();
             if let Some(first) = sentences.next() {
-                verdict(ui, kind, first);
+                ui.verdict(kind, first);
             }
             for sentence in sentences {
-                muted(ui, sentence);
+                ui.muted(sentence);
             }
         }
-        Err(error) => verdict(ui, Verdict::Bad, error),
+        Err(error) => ui.bad(error),
     }
 }
 

@@ -24,7 +24,7 @@ use crate::model::edit::Edit;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{Model, OpenSession, Selection};
-use crate::widgets::{Verdict, empty, verdict};
+use crate::widgets::UiExt;
 use choices::VariableChoice;
 pub use dock::Panes;
 use dock::PlotId;
@@ -107,13 +107,13 @@ fn pane(
                     let state = &mut plots.statistics;
                     statistics::show(ui, fit, state, (model.selection, hovered), outbox);
                 }
-                (why, _) => empty(ui, why.unwrap_or_default()),
+                (why, _) => ui.empty(why.unwrap_or_default()),
             };
         }
     };
     match plots.figure(open, figure) {
         Ok(figure) => plot(ui, (model, open), plots, &figure, hovered, outbox),
-        Err(Unavailable::Empty(why)) => empty(ui, why),
+        Err(Unavailable::Empty(why)) => ui.empty(why),
         Err(Unavailable::Failed(why)) => failed(ui, plots, &why),
         Err(Unavailable::Unprepared) => {
             outbox.send(PlotCommand::Prepare);
@@ -123,11 +123,7 @@ fn pane(
 }
 
 fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
-    verdict(
-        ui,
-        Verdict::Bad,
-        &format!("The plot cannot be prepared: {why}."),
-    );
+    ui.bad(&format!("The plot cannot be prepared: {why}."));
     if ui.button("Try again").clicked() {
         plots.preparation = None;
     }

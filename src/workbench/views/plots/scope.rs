@@ -10,7 +10,7 @@ use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
 use crate::model::{Memo, Model};
 use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "scope",
@@ -78,7 +78,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {
         let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \
                     they change.";
-        return empty(ui, text);
+        return ui.empty(text);
     };
     let cable = model.selection.cable;
     let link = &model.link;

@@ -13,7 +13,7 @@ use super::robot_3d::{self, CameraRequest, Robot3d};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button, icon_only};
 use inset::{Inset, SIDES, Scale};
 use tautline_workflow::identification::{FitVerdict, IdentifiedPulley, PulleyInspection};
 use tautline_workflow::wording::units::significant;
@@ -180,9 +180,9 @@ fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
 fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
     let text = inspection.sentence(is_explained);
     if is_explained || inspection.identified.is_none() {
-        ui.add(Label::new(text).wrap());
+        ui.wrapped(text);
     } else {
-        verdict(ui, Verdict::Doubtful, &text);
+        ui.doubtful(&text);
     }
 }
 
@@ -208,10 +208,7 @@ fn details(
     arrangement: Arrangement,
 ) {
     let Some(found) = &inspection.identified else {
-        muted(
-            ui,
-            "Identify in phase 4 to see where the pulley really is, with its uncertainty.",
-        );
+        ui.muted("Identify in phase 4 to see where the pulley really is, with its uncertainty.");
         return;
     };
     let directions = robot_3d::camera::directions(robot.gravity());
@@ -257,17 +254,17 @@ fn numbers(ui: &mut Ui, found: &IdentifiedPulley, robot: &Robot) {
     if found.correlations.is_empty() {
         return;
     }
-    section(ui, "Strongest correlations with other pulleys");
+    ui.section("Strongest correlations with other pulleys");
     ui.spacing_mut().item_spacing.y = 2.0;
     for correlation in &found.correlations {
         let text = format!("{}, {}", correlation.name(robot), correlation.words());
-        ui.add(Label::new(text).wrap());
+        ui.wrapped(text);
     }
 }
 
 fn muted_small(ui: &mut Ui, text: &str) {
     let colour = theme::of(ui).muted;
-    ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+    ui.wrapped(RichText::new(text).small().color(colour));
 }
 
 /// Button that opens the inspector.

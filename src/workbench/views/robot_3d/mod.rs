@@ -47,7 +47,7 @@ use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 
 /// Time without motion of camera and platform before the picture is rendered in full quality (s).
 const REST_S: f64 = 0.1;
@@ -227,10 +227,7 @@ pub fn show(
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {
-        empty(
-            ui,
-            "The robot appears here once a session, a robot or a dataset is open.",
-        );
+        ui.empty("The robot appears here once a session, a robot or a dataset is open.");
         return;
     };
     view.inspect(None);

@@ -6,7 +6,7 @@ use egui_material_icons::icons;
 use super::camera::{Projection, StandardView};
 use super::drawing::{ArrowColour, CableColour, FrameLook, Options};
 use super::scene::{Besides, Scene};
-use crate::widgets::{checkbox, icon_only, muted};
+use crate::widgets::{UiExt, checkbox, icon_only};
 
 /// Width of the slider with its number (points).
 const EXAGGERATION: f32 = 240.0;
@@ -63,7 +63,7 @@ pub fn show(
         }
         if width > MEDIUM {
             ui.separator();
-            muted(ui, "Colour");
+            ui.muted("Colour");
             colours(ui, options);
         } else {
             let name = format!("Colour: {}", options.colour.title());
@@ -159,7 +159,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     ui.separator();
     if besides != Besides::Nothing {
         ui.horizontal(|ui| {
-            muted(ui, "Displacements by");
+            ui.muted("Displacements by");
             for by in ArrowColour::ALL {
                 let known = by != ArrowColour::Tolerance || scene.tolerance_m.is_some();
                 let is_chosen = options.arrow_colour_of(scene) == by;
@@ -173,7 +173,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
         });
     }
     ui.horizontal(|ui| {
-        muted(ui, "Frame");
+        ui.muted("Frame");
         for look in FrameLook::ALL {
             let button = ui.selectable_value(&mut options.frame, look, look.title());
             button.widget_info(|| {

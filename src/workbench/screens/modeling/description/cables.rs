@@ -9,7 +9,7 @@ use super::field::{change, put};
 use crate::screens::bench_panel::Bench;
 use crate::screens::modeling::cable_table::{COLUMNS, CableTable, Empty, is_block};
 use crate::theme::{self, GRID};
-use crate::widgets::{Entered, Number, icon_button, muted, number, section, width_of};
+use crate::widgets::{Entered, Number, UiExt, icon_button, number, width_of};
 
 /// Height of a row of the table (points).
 const ROW: f32 = 6.5 * GRID;
@@ -22,7 +22,7 @@ pub(crate) type FocusedCell = Option<(usize, usize)>;
 pub(crate) type Edited = Result<(CableTable, String), String>;
 
 pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell) {
-    section(ui, "Cables");
+    ui.section("Cables");
     let table = CableTable::of(bench.robot());
     match grid(ui, &table, focused, false) {
         Some(Ok((table, what))) => match table.applied_to(bench.robot()) {
@@ -42,10 +42,7 @@ pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell
 }
 
 pub(crate) fn hints(ui: &mut Ui) {
-    muted(
-        ui,
-        "Pulley: where the cable reaches it, and the direction in which it comes from the winch (swivel axis), along x, y and z of the base frame in the 3D view. Anchor: in the frame of the platform. Cells of a spreadsheet are pasted at the selected cell, to the right and below.",
-    );
+    ui.muted("Pulley: where the cable reaches it, and the direction in which it comes from the winch (swivel axis), along x, y and z of the base frame in the 3D view. Anchor: in the frame of the platform. Cells of a spreadsheet are pasted at the selected cell, to the right and below.");
 }
 
 /// Draws the table, with a fixed column of names. `may_lack` allows required numbers to be empty.
@@ -298,9 +295,6 @@ fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
         }
     });
     if !is_free {
-        muted(
-            ui,
-            "The session has measured poses: the number of cables is fixed.",
-        );
+        ui.muted("The session has measured poses: the number of cables is fixed.");
     }
 }

@@ -6,10 +6,10 @@ use tautline_core::robot::{Home, Robot};
 
 use super::field::{NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{checkbox, muted, section};
+use crate::widgets::{UiExt, checkbox};
 
 pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Platform");
+    ui.section("Platform");
     let platform = &bench.robot().platform;
     grid(ui, "fields of the platform", |ui| {
         let mass = (platform.mass_kg, true);
@@ -31,7 +31,7 @@ pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
         );
     });
     ui.horizontal_wrapped(|ui| {
-        muted(ui, "Moves along and about");
+        ui.muted("Moves along and about");
         for coordinate in Coordinate::ALL {
             let mut is_free = platform.free.contains(&coordinate);
             let name = ["x", "y", "z", "rx", "ry", "rz"][coordinate.index()];
@@ -52,7 +52,7 @@ pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
 }
 
 pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Home pose");
+    ui.section("Home pose");
     let home = bench.robot().home;
     let mut has_home = home.is_some();
     if checkbox(ui, &mut has_home, "Encoders read zero at a home pose").changed() {

@@ -5,7 +5,7 @@ use tautline_core::robot::Robot;
 
 use super::field::{change, grid};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::section;
+use crate::widgets::UiExt;
 
 /// Width of a text field (points).
 const WIDTH: f32 = 240.0;
@@ -18,7 +18,7 @@ pub struct Drafts {
 }
 
 pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, drafts: &mut Drafts) {
-    section(ui, "Robot");
+    ui.section("Robot");
     let robot = bench.robot();
     let serial_number = robot.serial_number.clone().unwrap_or_default();
     grid(ui, "identity of the robot", |ui| {

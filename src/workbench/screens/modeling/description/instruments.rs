@@ -7,13 +7,13 @@ use tautline_core::robot::{
 
 use super::field::{CommonNumber, NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{checkbox, section};
+use crate::widgets::{UiExt, checkbox};
 
 /// Degrees in a radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Instruments");
+    ui.section("Instruments");
     forces(ui, bench);
     laser(ui, bench);
     inclinometer(ui, bench);

@@ -18,7 +18,7 @@ use crate::model::command::Outbox;
 use crate::model::part::ScreenPart;
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, Selection};
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 use tabs::{Dock, DockRequest};
 use tree::{Preset, Tree};
 
@@ -259,7 +259,7 @@ pub(crate) fn show(
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {
-        empty(ui, "Plots appear here once a session is open.");
+        ui.empty("Plots appear here once a session is open.");
         return;
     };
     let area = ui.available_rect_before_wrap();
@@ -285,7 +285,7 @@ pub(crate) fn show(
         false => &mut panes.docked,
     };
     if tree.is_empty() {
-        empty(ui, "All plots are in windows of their own.");
+        ui.empty("All plots are in windows of their own.");
     } else {
         let dragged = tree.dragged_id(ui.ctx());
         let places = tree::stand_in(tree, |kind| (kind.missing)(open).is_none());

@@ -17,7 +17,7 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
-use crate::widgets::{icon_button, icon_only, muted};
+use crate::widgets::{UiExt, icon_button, icon_only};
 use columns::VisibleColumns;
 use rows::{Head, Listed, Listing, ListingKey, Order, StatisticsRow, arranged, listing, text};
 
@@ -81,7 +81,7 @@ pub(super) fn show(
             .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter the table"));
         leaf(ui, &seen, of.listed.names(), from);
         if ui.available_width() > COUNTED {
-            muted(ui, &number_of(shown.len(), rows.len()));
+            ui.muted(&number_of(shown.len(), rows.len()));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let button = if is_narrow { icon_only } else { icon_button };
