@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{SessionSource, Side};
 use crate::theme::{self, GRID};
-use crate::widgets::{UiExt, icon_button, named, path_field};
+use crate::widgets::{icon_button, named, path_field};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};

@@ -12,7 +12,7 @@ use crate::model::command::{HypothesisCommand, Outbox, ViewCommand};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{UiExt, icon_button, primary};
+use crate::widgets::{icon_button, primary};
 
 /// Width of the screen (points) below which the residuals are below the text.
 const NARROW: f32 = 860.0;

@@ -10,7 +10,7 @@ use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{UiExt, icon_button, path_field};
+use crate::widgets::{icon_button, path_field};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = model.record.open();
