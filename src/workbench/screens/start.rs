@@ -94,8 +94,8 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         // Leaves room for both buttons.
         let width = (ui.available_width() - 190.0).clamp(120.0, 400.0);
-        let names = ("Path", "Path, or drop a file on the window");
-        let entered = path_field(ui, names, path, width);
+        let hint = "Path, or drop a file on the window";
+        let entered = path_field(ui, "Path", hint, path, width);
         let typed = !path.trim().is_empty();
         if (ui.add_enabled(typed, Button::new("Open")).clicked() || entered) && typed {
             outbox.send(FileCommand::Open(PathBuf::from(path.trim())));

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{AskedRobot, Outbox, SIMULATING, StudyCommand, ViewCommand};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{UiExt, checkbox};
+use crate::widgets::{UiExt, checkbox, form};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -160,39 +160,36 @@ fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &m
 
 fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
     ui.section("Instruments");
-    Grid::new("which sensor")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            if let Some(laser) = robot.laser {
-                optional(
-                    ui,
-                    "Laser",
-                    (&mut question.laser_sd_m, laser.sd_m),
-                    ([0.02, 10.0], 1e3, "mm"),
-                );
-            }
-            let label = ui.label("Poses");
-            ui.add(Slider::new(&mut question.poses, 3..=MOST_POSES).logarithmic(true))
-                .labelled_by(label.id);
-            ui.end_row();
-            if robot.home.is_some_and(|home| home.position_sd_m > 0.0) {
-                let label = ui.label("Home position");
-                millimetres(
-                    ui,
-                    label.id,
-                    &mut question.home_sd_m,
-                    ([0.005, 10.0], 1e3, "mm"),
-                );
-                ui.end_row();
-            }
+    form("which sensor").show(ui, |ui| {
+        if let Some(laser) = robot.laser {
             optional(
                 ui,
-                "Inclinometer",
-                (&mut question.inclinometer_sd_rad, 1e-3),
-                ([0.02, 10.0], 1e3, "mrad"),
+                "Laser",
+                (&mut question.laser_sd_m, laser.sd_m),
+                ([0.02, 10.0], 1e3, "mm"),
             );
-        });
+        }
+        let label = ui.label("Poses");
+        ui.add(Slider::new(&mut question.poses, 3..=MOST_POSES).logarithmic(true))
+            .labelled_by(label.id);
+        ui.end_row();
+        if robot.home.is_some_and(|home| home.position_sd_m > 0.0) {
+            let label = ui.label("Home position");
+            millimetres(
+                ui,
+                label.id,
+                &mut question.home_sd_m,
+                ([0.005, 10.0], 1e3, "mm"),
+            );
+            ui.end_row();
+        }
+        optional(
+            ui,
+            "Inclinometer",
+            (&mut question.inclinometer_sd_rad, 1e-3),
+            ([0.02, 10.0], 1e3, "mrad"),
+        );
+    });
 }
 
 /// Optional instrument with its default description.

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use egui::{Grid, TextEdit, Ui};
+use egui::{Grid, Ui};
 
 use super::{AppState, certificate, save};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, Outbox, ReportCommand, ReportDraft};
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, UiExt, checkbox, modal, number, primary};
+use crate::widgets::{Entered, Number, UiExt, checkbox, form, modal, number, primary, text_row};
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 
 /// Draws the report dialog.
@@ -90,24 +90,16 @@ fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 
 fn head(ui: &mut Ui, choice: &mut ReportChoice) {
     ui.section("Heading");
-    Grid::new("head of the report")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            for (name, text, hint) in [
-                ("Title", &mut choice.title, "Name of the session"),
-                ("Header line", &mut choice.header, "None"),
-                ("Company", &mut choice.company, "None"),
-                ("Operator", &mut choice.operator, "None"),
-            ] {
-                let label = ui.label(name);
-                let field = TextEdit::singleline(text)
-                    .hint_text(hint)
-                    .desired_width(320.0);
-                ui.add(field).labelled_by(label.id);
-                ui.end_row();
-            }
-        });
+    form("head of the report").show(ui, |ui| {
+        for (name, text, hint) in [
+            ("Title", &mut choice.title, "Name of the session"),
+            ("Header line", &mut choice.header, "None"),
+            ("Company", &mut choice.company, "None"),
+            ("Operator", &mut choice.operator, "None"),
+        ] {
+            text_row(ui, name, text, hint, 320.0);
+        }
+    });
 }
 
 fn tolerance(ui: &mut Ui, choice: &mut ReportChoice) {

@@ -2,6 +2,7 @@
 
 mod button;
 mod fault_matrix;
+mod form;
 mod import_row;
 mod meter;
 mod modal;
@@ -18,6 +19,7 @@ mod text;
 
 pub use button::{checkbox, choice, entered, icon_button, icon_only, named, primary, radio};
 pub use fault_matrix::fault_window;
+pub use form::{combo_box, form, name_combo_box, name_text_field, text_row};
 pub use import_row::{Import, import_row, path_field};
 pub use meter::meter;
 pub(crate) use modal::{backdrop, modal};

@@ -1,8 +1,8 @@
 //! Number fields.
 
-use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2, WidgetInfo};
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2};
 
-use super::text::UiExt;
+use super::{name_text_field, text::UiExt};
 use crate::theme::{self, GRID};
 use tautline_workflow::wording::units::fixed;
 
@@ -123,12 +123,7 @@ fn edit(ui: &mut Ui, field: &Number<'_>, text: &mut String, wrong: bool) -> Resp
         edit = edit.text_color(palette.bad);
     }
     let response = ui.add(edit);
-    let (name, value) = (field.name, text.clone());
-    response.widget_info(|| {
-        let mut info = WidgetInfo::text_edit(ui.is_enabled(), value.clone(), value.clone(), "");
-        info.label = Some(name.to_owned());
-        info
-    });
+    name_text_field(&response, field.name, text);
     if wrong {
         let stroke = Stroke::new(1.0, palette.bad);
         ui.painter()

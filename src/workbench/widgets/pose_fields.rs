@@ -1,10 +1,10 @@
 //! Fields for typing a measured pose.
 
-use egui::{TextEdit, Ui, WidgetInfo};
+use egui::{TextEdit, Ui};
 use tautline_core::geometry::Pose;
 use tautline_session::CheckPose;
 
-use super::{UiExt, parse_number};
+use super::{UiExt, name_text_field, parse_number};
 use crate::theme::GRID;
 
 const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
@@ -42,13 +42,7 @@ impl PoseFields {
             for (name, text) in names.iter().zip(&mut self.texts[first..]) {
                 ui.muted(name);
                 let field = ui.add(TextEdit::singleline(text).desired_width(15.0 * GRID));
-                let value = text.clone();
-                let label = format!("{of} {}", name.to_lowercase());
-                field.widget_info(|| {
-                    let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-                    info.label = Some(label.clone());
-                    info
-                });
+                name_text_field(&field, &format!("{of} {}", name.to_lowercase()), text);
                 if focuses && *name == "x" {
                     field.request_focus();
                     field.scroll_to_me(Some(egui::Align::Center));

@@ -124,7 +124,7 @@ fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox
     let path = &mut panel.paths[side as usize];
     let hint = "Path of a session or a dataset folder, or drop it on the window";
     let width = (ui.available_width() - 420.0).clamp(160.0, 560.0);
-    let entered = path_field(ui, (&format!("Path of {name}"), hint), path, width);
+    let entered = path_field(ui, &format!("Path of {name}"), hint, path, width);
     let typed = !path.trim().is_empty();
     let take = named(
         ui.add_enabled(typed, Button::new("Use")),

@@ -1,11 +1,11 @@
 //! Fields with their errors.
 
-use egui::{RichText, TextEdit, Ui, WidgetInfo};
+use egui::{RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use super::problems::{FieldId, Problems};
 use crate::theme;
-use crate::widgets::{UiExt, icon_button};
+use crate::widgets::{UiExt, icon_button, name_text_field};
 
 /// Width of a field (points).
 const WIDTH: f32 = 240.0;
@@ -51,11 +51,7 @@ fn edit<T>(
             true => "\u{2022}".repeat(text.chars().count()),
             false => text.clone(),
         };
-        response.widget_info(|| {
-            let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-            info.label = Some(name.to_owned());
-            info
-        });
+        name_text_field(&response, name, &value);
         // An empty field is not an error; the footer of the dialog names what is missing.
         if let Some(problem) = problem.filter(|_| !text.trim().is_empty()) {
             let colour = theme::of(ui).bad;

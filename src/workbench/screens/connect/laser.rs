@@ -1,6 +1,6 @@
 //! Laser: source of its distance, and live test.
 
-use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
+use egui::{ComboBox, Ui};
 use tautline_link::laser::serial_ports;
 use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 
@@ -9,7 +9,7 @@ use super::field::{labelled, line};
 use super::problems::{FieldId, Problems};
 use super::test_line::{LaserTest, TestLine};
 use crate::theme::GRID;
-use crate::widgets::{UiExt, choice};
+use crate::widgets::{UiExt, choice, combo_box, form};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaserFrom {
@@ -180,23 +180,20 @@ impl LaserDraft {
             return;
         }
         ui.add_space(GRID);
-        Grid::new("laser")
-            .num_columns(2)
-            .spacing([3.0 * GRID, 1.5 * GRID])
-            .show(ui, |ui| {
-                if self.from == LaserFrom::Network {
-                    line(ui, problems, FieldId::LaserHost, &mut self.host);
-                    line(ui, problems, FieldId::LaserPort, &mut self.port);
-                } else {
-                    self.device(ui);
-                    line(ui, problems, FieldId::Device, &mut self.device);
-                    line(ui, problems, FieldId::Baud, &mut self.baud);
-                }
-                unit(ui, &mut self.base.unit);
-                line(ui, problems, FieldId::Pattern, &mut self.pattern);
-                line(ui, problems, FieldId::NoReturn, &mut self.no_return);
-                line(ui, problems, FieldId::Laser, &mut self.command);
-            });
+        form("laser").show(ui, |ui| {
+            if self.from == LaserFrom::Network {
+                line(ui, problems, FieldId::LaserHost, &mut self.host);
+                line(ui, problems, FieldId::LaserPort, &mut self.port);
+            } else {
+                self.device(ui);
+                line(ui, problems, FieldId::Device, &mut self.device);
+                line(ui, problems, FieldId::Baud, &mut self.baud);
+            }
+            unit(ui, &mut self.base.unit);
+            line(ui, problems, FieldId::Pattern, &mut self.pattern);
+            line(ui, problems, FieldId::NoReturn, &mut self.no_return);
+            line(ui, problems, FieldId::Laser, &mut self.command);
+        });
         self.test(ui, busy);
     }
 
@@ -204,21 +201,16 @@ impl LaserDraft {
     fn device(&mut self, ui: &mut Ui) {
         let ports = self.ports.get_or_insert_with(serial_ports);
         ui.label("Ports of this computer");
-        let chosen = ComboBox::from_id_salt("serial ports")
-            .selected_text(if ports.is_empty() {
-                "None found"
-            } else {
-                "Choose"
-            })
-            .width(200.0)
-            .show_ui(ui, |ui| {
-                for port in ports.iter() {
-                    ui.selectable_value(&mut self.device, port.clone(), port);
-                }
-            });
-        chosen
-            .response
-            .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Ports of this computer"));
+        let list = ComboBox::from_id_salt("serial ports").width(200.0);
+        let selected = match ports.is_empty() {
+            true => "None found",
+            false => "Choose",
+        };
+        combo_box(ui, list, "Ports of this computer", selected, |ui| {
+            for port in ports.iter() {
+                ui.selectable_value(&mut self.device, port.clone(), port);
+            }
+        });
         ui.end_row();
     }
 
@@ -250,9 +242,7 @@ impl LaserDraft {
         let Some(test) = &self.test else { return };
         let LaserTest { last_line, parsed } = test.result();
         match last_line {
-            Some(line) => {
-                labelled(ui, "Last line", &line);
-            }
+            Some(line) => labelled(ui, "Last line", &line),
             None => {
                 ui.muted("Nothing has arrived yet.");
             }
@@ -271,16 +261,12 @@ impl LaserDraft {
 
 fn unit(ui: &mut Ui, unit: &mut LaserUnit) {
     ui.label("Unit of the laser");
-    let chosen = ComboBox::from_id_salt("unit of the laser")
-        .selected_text(unit.name())
-        .width(72.0)
-        .show_ui(ui, |ui| {
-            for offered in [LaserUnit::Mm, LaserUnit::M, LaserUnit::Um] {
-                ui.selectable_value(unit, offered, offered.name());
-            }
-        });
-    let response = chosen.response;
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Unit of the laser"));
+    let list = ComboBox::from_id_salt("unit of the laser").width(72.0);
+    combo_box(ui, list, "Unit of the laser", unit.name(), |ui| {
+        for offered in [LaserUnit::Mm, LaserUnit::M, LaserUnit::Um] {
+            ui.selectable_value(unit, offered, offered.name());
+        }
+    });
     ui.end_row();
 }
 

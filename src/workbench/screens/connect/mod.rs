@@ -9,7 +9,7 @@ mod problems;
 mod symbols;
 mod test_line;
 
-use egui::{Grid, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 use egui_material_icons::icons;
 use tautline_link::opcua::{HAS_KEYRING, Password, PasswordStoreError};
 use tautline_session::{Connection, ControllerKind, LaserSettings, OpcUaPolicy, OpcUaSecurity};
@@ -25,7 +25,9 @@ use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup, UserFile};
 use crate::model::messages::full_sentence;
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
-use crate::widgets::{TabOf, UiExt, checkbox, choice, icon_button, modal, primary, tab_row};
+use crate::widgets::{
+    TabOf, UiExt, checkbox, choice, combo_box, form, icon_button, modal, primary, tab_row,
+};
 
 pub use draft::Draft;
 
@@ -162,11 +164,7 @@ fn controller(
         choice(ui, &mut draft.kind, kind, text);
     }
     ui.add_space(GRID);
-    let grid = |name| {
-        Grid::new(name)
-            .num_columns(2)
-            .spacing([3.0 * GRID, 1.5 * GRID])
-    };
+
     match draft.kind {
         ControllerKind::Simulated => {
             let text = match present.is_demo {
@@ -179,7 +177,7 @@ fn controller(
             let text = "A dataset folder with robot.json and poses.csv is played back. It knows the recorded poses alone, \
                         and nothing can be written to it.";
             wrapped(ui, text);
-            grid("recording").show(ui, |ui| {
+            form("recording").show(ui, |ui| {
                 line(ui, problems, FieldId::Folder, &mut draft.folder);
                 line(ui, problems, FieldId::Speed, &mut draft.speed);
             });
@@ -188,7 +186,7 @@ fn controller(
             }
         }
         ControllerKind::Ads => {
-            grid("ads").show(ui, |ui| {
+            form("ads").show(ui, |ui| {
                 line(ui, problems, FieldId::Host, &mut draft.host);
                 line(ui, problems, FieldId::Port, &mut draft.port);
                 line(ui, problems, FieldId::NetId, &mut draft.net_id);
@@ -208,10 +206,7 @@ fn controller(
 }
 
 fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
-    let rows = Grid::new("opcua")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID]);
-    rows.show(ui, |ui| {
+    form("opcua").show(ui, |ui| {
         line(ui, problems, FieldId::Url, &mut draft.url);
         chosen(
             ui,
@@ -315,17 +310,13 @@ fn chosen<T: Copy + PartialEq + std::fmt::Display>(
     ui.label(name);
     ui.vertical(|ui| {
         let text = value.map_or_else(|| BEST.to_owned(), |value| value.to_string());
-        let list = egui::ComboBox::from_id_salt(name).selected_text(&text);
-        let shown = list.width(240.0).show_ui(ui, |ui| {
+        let list = egui::ComboBox::from_id_salt(name).width(240.0);
+        combo_box(ui, list, &format!("{name}: {text}"), &text, |ui| {
             ui.selectable_value(value, None, BEST);
             for known in all.iter().rev() {
                 ui.selectable_value(value, Some(*known), known.to_string());
             }
         });
-        let label = format!("{name}: {text}");
-        shown
-            .response
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, label.as_str()));
         if let Some(problem) = problem {
             ui.bad(&sentence(&format!("{problem}.")));
         }

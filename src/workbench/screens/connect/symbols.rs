@@ -1,6 +1,6 @@
 //! Table of symbols: purpose, name at the controller, scale and unit.
 
-use egui::{Grid, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Grid, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_link::symbols::{SymbolCheck, SymbolFound};
@@ -9,7 +9,7 @@ use tautline_session::{SymbolMapping, is_per_cable, name_of_cable};
 use super::entry::{SymbolRole, no_command, read, title_of, unit_of, write};
 use super::problems::{FieldId, Problems};
 use crate::theme::{self, GRID};
-use crate::widgets::{UiExt, Verdict, parse_number};
+use crate::widgets::{UiExt, Verdict, name_text_field, parse_number};
 use tautline_workflow::wording::{count, sentence};
 
 /// Width (points) at which the columns fit side by side.
@@ -236,12 +236,7 @@ fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
         .min_size(egui::vec2(width, 0.0))
         .clip_text(true);
     let response = ui.add_enabled(enabled, field);
-    let value = text.clone();
-    response.widget_info(|| {
-        let mut info = WidgetInfo::text_edit(enabled, value.clone(), value.clone(), "");
-        info.label = Some(name.to_owned());
-        info
-    });
+    name_text_field(&response, name, text);
 }
 
 /// Error of a row or answer of the controller, by name if the row stands for several symbols.

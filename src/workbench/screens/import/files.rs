@@ -55,11 +55,9 @@ pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox)
     let typed = !path.trim().is_empty();
     let pressed = icon_button(ui, icons::ICON_ADD, "Add", typed).clicked();
     let used = right - ui.available_width();
-    let names = (
-        "Path of a file to import",
-        "Path of a file or folder, or drop it here",
-    );
-    let entered = path_field(ui, names, path, (width - used).max(120.0));
+    let name = "Path of a file to import";
+    let hint = "Path of a file or folder, or drop it here";
+    let entered = path_field(ui, name, hint, path, (width - used).max(120.0));
     if typed && (pressed || entered) {
         outbox.send(RecordingCommand::Read(path.trim().into()));
         path.clear();

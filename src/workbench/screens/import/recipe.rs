@@ -1,6 +1,6 @@
 //! The recipe: its entries, and its file.
 
-use egui::{Align, Label, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use egui::{Align, Label, Layout, Ui, Vec2};
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_import::{Assignment, Quantity};
@@ -8,7 +8,7 @@ use tautline_import::{Assignment, Quantity};
 use super::{Bench, PanelState};
 use crate::model::command::RecordingCommand;
 use crate::theme::GRID;
-use crate::widgets::{UiExt, icon_button, icon_only};
+use crate::widgets::{UiExt, icon_button, icon_only, path_field};
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     ui.section("Recipe");
@@ -33,11 +33,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
             let path = path.trim().into();
             bench.outbox.send(RecordingCommand::UseRecipe(path));
         }
-        let field = TextEdit::singleline(path)
-            .hint_text("Path of a recipe")
-            .desired_width(ui.available_width());
-        let field = ui.add(field);
-        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the recipe"));
+        let width = ui.available_width();
+        path_field(ui, "Path of the recipe", "Path of a recipe", path, width);
     });
 }
 

@@ -1,12 +1,12 @@
 //! Input of the laser distance, read by the operator.
 
-use egui::{Align, FontId, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Align, FontId, RichText, TextEdit, Ui};
 
 use super::PanelState;
 use crate::model::command::Outbox;
 use crate::model::link::LinkRequest;
 use crate::theme::{self, GRID};
-use crate::widgets::{UiExt, entered, parse_number, primary};
+use crate::widgets::{UiExt, entered, name_text_field, parse_number, primary};
 
 /// Longest distance that can be typed (mm).
 const LONGEST_MM: f64 = 1e6;
@@ -54,12 +54,7 @@ pub(super) fn show(
             .font(FontId::proportional(20.0))
             .desired_width(36.0 * GRID);
         let field = ui.add(edit);
-        let value = memory.text.clone();
-        field.widget_info(|| {
-            let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-            info.label = Some(name.clone());
-            info
-        });
+        name_text_field(&field, &name, &memory.text);
         if is_new {
             field.request_focus();
             field.scroll_to_me(Some(Align::Center));

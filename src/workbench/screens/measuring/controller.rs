@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::model::command::{Outbox, RobotCommand, Setup};
 use crate::model::link::{LinkRequest, LostConnection};
 use crate::theme;
-use crate::widgets::{UiExt, icon_button};
+use crate::widgets::{UiExt, combo_box, icon_button};
 use tautline_workflow::controllers::RobotKind;
 
 /// Time factors offered for simulated robots.
@@ -137,16 +137,12 @@ fn speed(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let mut speed = model.link.speed();
     let before = speed;
     let words = |speed: f64| format!("{speed:.0}x speed");
-    let chosen = ComboBox::from_id_salt("speed")
-        .selected_text(words(speed))
-        .width(88.0)
-        .show_ui(ui, |ui| {
-            for offered in SPEEDS {
-                ui.selectable_value(&mut speed, offered, words(offered));
-            }
-        });
-    chosen.response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Speed of the simulation")
+    let list = ComboBox::from_id_salt("speed").width(88.0);
+    let selected = words(speed);
+    combo_box(ui, list, "Speed of the simulation", &selected, |ui| {
+        for offered in SPEEDS {
+            ui.selectable_value(&mut speed, offered, words(offered));
+        }
     });
     if speed != before {
         outbox.send(RobotCommand::Speed(speed));

@@ -1,6 +1,6 @@
 //! Home poses measured by instruments other than the home platform, and the mean of all.
 
-use egui::{TextEdit, Ui, WidgetInfo};
+use egui::{TextEdit, Ui};
 use egui_material_icons::icons;
 use tautline_session::HomePose;
 use tautline_workflow::wording::units::mm;
@@ -10,7 +10,7 @@ use crate::model::edit::Edit;
 use crate::screens::bench_panel::Bench;
 use crate::theme::GRID;
 use crate::widgets::{
-    Cell, PoseFields, TableColumn, UiExt, icon_only, parse_number, primary, table,
+    Cell, PoseFields, TableColumn, UiExt, icon_only, name_text_field, parse_number, primary, table,
 };
 
 use super::home::pose_table;
@@ -112,12 +112,7 @@ fn deviations(
             let hint = shown.map_or_else(String::new, |shown| format!("{:.4}", shown[k]));
             let field = TextEdit::singleline(text).hint_text(hint);
             let field = ui.add(field.desired_width(15.0 * GRID));
-            let value = text.clone();
-            field.widget_info(|| {
-                let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-                info.label = Some(names[k].to_owned());
-                info
-            });
+            name_text_field(&field, names[k], text);
             ui.muted(unit);
         }
     });

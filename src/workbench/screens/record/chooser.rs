@@ -59,7 +59,7 @@ fn is_read(model: &Model) -> bool {
 fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
     let hint = "Folder with the sessions of one robot, or drop it on the window";
     let width = (ui.available_width() - 220.0).clamp(160.0, 560.0);
-    let entered = path_field(ui, ("Folder of the record", hint), path, width);
+    let entered = path_field(ui, "Folder of the record", hint, path, width);
     let typed = !path.trim().is_empty();
     let open = ui.add_enabled(typed, Button::new("Open"));
     if (open.clicked() || entered) && typed {

@@ -1,11 +1,12 @@
 //! Options above the plots and their widgets.
 
-use egui::{ComboBox, Role, Ui, WidgetInfo, vec2};
+use egui::{ComboBox, Ui, vec2};
 use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::Prepared;
+use crate::widgets::name_combo_box;
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -130,8 +131,5 @@ pub(super) fn combo_within(
         }
         None => shown.show_ui(ui, add),
     };
-    let text = format!("{name}: {selected}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
+    name_combo_box(&shown.response, &format!("{name}: {selected}"));
 }

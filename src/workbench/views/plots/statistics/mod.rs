@@ -17,7 +17,7 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
-use crate::widgets::{UiExt, icon_button, icon_only};
+use crate::widgets::{UiExt, combo_box, icon_button, icon_only};
 use columns::VisibleColumns;
 use rows::{Head, Listed, Listing, ListingKey, Order, StatisticsRow, arranged, listing, text};
 
@@ -119,17 +119,12 @@ fn leaf(ui: &mut Ui, seen: &VisibleColumns, names: usize, from: &mut usize) {
 fn listed(ui: &mut Ui, chosen: &mut Listed) {
     let title = |listed: Listed| Listed::ALL.iter().find(|(l, _)| *l == listed);
     let title = title(*chosen).map_or("", |(_, title)| title);
-    let shown = ComboBox::from_id_salt("statistics of")
-        .selected_text(title)
-        .show_ui(ui, |ui| {
-            for (value, title) in Listed::ALL {
-                ui.selectable_value(chosen, value, title);
-            }
-        });
-    let name = format!("Statistics of: {title}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+    let list = ComboBox::from_id_salt("statistics of");
+    combo_box(ui, list, &format!("Statistics of: {title}"), title, |ui| {
+        for (value, title) in Listed::ALL {
+            ui.selectable_value(chosen, value, title);
+        }
+    });
 }
 
 fn number_of(shown: usize, all: usize) -> String {
