@@ -11,7 +11,7 @@ use crate::model::edit::Edit;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{Cell, Import, RowsEdit, UiExt, import_row, primary};
+use crate::widgets::{Cell, Import, Rows, RowsEdit, UiExt, import_row, primary, rows};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::fixed;
@@ -90,10 +90,15 @@ impl<'a> Bench<'a> {
     /// Applies an edit of the tables, or reports an error of the input.
     pub fn edit_rows(
         &mut self,
-        noun: &str,
-        edit: RowsEdit,
+        ui: &mut Ui,
+        editor: &Rows<'_>,
+        draft: &mut String,
         change: impl FnOnce(&mut PhaseData, RowsEdit),
     ) {
+        let noun = editor.noun.to_lowercase();
+        let Some(edit) = rows(ui, editor, draft) else {
+            return;
+        };
         let what = match &edit {
             RowsEdit::Wrong(message) => return self.refuse(message.clone()),
             RowsEdit::Set(row, ..) => format!("change {noun} {}", row + 1),

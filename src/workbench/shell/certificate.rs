@@ -67,15 +67,9 @@ fn conditions(ui: &mut Ui, details: &mut CertificateDetails) {
     let mut optional =
         |name: &str, unit: &str, decimals: usize, factor: f64, value: &mut Option<f64>| {
             ui.label(name);
-            let shown = Number {
-                name,
-                value: value.map(|si| factor * si),
-                decimals,
-                unit,
-                optional: true,
-                width: 90.0,
-            };
-            match ui.horizontal(|ui| number(ui, &shown)).inner {
+            let shown = Number::of(name, value.map(|si| factor * si), decimals, unit, 90.0);
+            let field = shown.optional(true);
+            match ui.horizontal(|ui| number(ui, &field)).inner {
                 Some(Entered::Nothing) => *value = None,
                 Some(Entered::Value(entered)) => *value = Some(entered / factor),
                 Some(Entered::Wrong(_)) | None => {}

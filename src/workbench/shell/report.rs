@@ -105,15 +105,9 @@ fn head(ui: &mut Ui, choice: &mut ReportChoice) {
 fn tolerance(ui: &mut Ui, choice: &mut ReportChoice) {
     ui.horizontal(|ui| {
         ui.label("Tolerance of the pulleys");
-        let shown = Number {
-            name: "Tolerance of the pulleys (mm)",
-            value: choice.tolerance_m.map(|m| 1e3 * m),
-            decimals: 2,
-            unit: "mm",
-            optional: true,
-            width: 90.0,
-        };
-        match number(ui, &shown) {
+        let tolerance_mm = choice.tolerance_m.map(|m| 1e3 * m);
+        let field = Number::of("Tolerance of the pulleys (mm)", tolerance_mm, 2, "mm", 90.0);
+        match number(ui, &field.optional(true)) {
             Some(Entered::Nothing) => choice.tolerance_m = None,
             Some(Entered::Value(mm)) if mm > 0.0 => choice.tolerance_m = Some(1e-3 * mm),
             Some(Entered::Value(_) | Entered::Wrong(_)) | None => {}

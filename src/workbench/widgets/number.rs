@@ -35,15 +35,27 @@ pub struct Number<'a> {
 impl<'a> Number<'a> {
     /// Required field, with its smallest width (points).
     #[must_use]
-    pub fn of(name: &'a str, value: f64, decimals: usize, unit: &'a str, width: f32) -> Self {
+    pub fn of(
+        name: &'a str,
+        value: impl Into<Option<f64>>,
+        decimals: usize,
+        unit: &'a str,
+        width: f32,
+    ) -> Self {
         Self {
             name,
-            value: Some(value),
+            value: value.into(),
             decimals,
             unit,
             optional: false,
             width,
         }
+    }
+
+    /// The same field, which may be empty.
+    #[must_use]
+    pub fn optional(self, optional: bool) -> Self {
+        Self { optional, ..self }
     }
 
     fn id(&self, ui: &Ui) -> Id {
@@ -68,10 +80,7 @@ pub fn number_checked(
     check: &dyn Fn(f64) -> Result<(), String>,
 ) -> Option<Entered> {
     let id = field.id(ui);
-    let shown = || {
-        let value = field.value?;
-        Some(fixed(value, field.decimals))
-    };
+    let shown = || field.value.map(|value| fixed(value, field.decimals));
     let typed: Option<String> = ui.data(|data| data.get_temp(id));
     let was_typed = typed.is_some();
     let mut text = typed.unwrap_or_else(|| shown().unwrap_or_default());

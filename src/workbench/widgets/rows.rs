@@ -231,15 +231,9 @@ fn row(ui: &mut Ui, rows: &Rows<'_>, index: usize, width: f32) -> Option<RowsEdi
     cell(ui, NUMBER, &(index + 1).to_string());
     for (column, (field, value)) in rows.fields.iter().zip(rows.rows[index]).enumerate() {
         let name = format!("{} of {} {}", field.title, noun.to_lowercase(), index + 1);
-        let shown = Number {
-            name: &name,
-            value: value.map(|value| value * field.per_si),
-            decimals: field.decimals,
-            unit: "",
-            optional: field.optional,
-            width,
-        };
-        answer = match number(ui, &shown) {
+        let value = value.map(|value| value * field.per_si);
+        let shown = Number::of(&name, value, field.decimals, "", width);
+        answer = match number(ui, &shown.optional(field.optional)) {
             None => answer,
             Some(Entered::Nothing) => Some(RowsEdit::Set(index, column, None)),
             Some(Entered::Wrong(message)) => Some(RowsEdit::Wrong(message)),

@@ -6,7 +6,7 @@ use tautline_session::{PhaseData, PoseDistance};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{Numbers, RowField, Rows, RowsEdit, UiExt, rows};
+use crate::widgets::{Numbers, RowField, Rows, RowsEdit, UiExt};
 use tautline_workflow::wording::units::mm;
 
 const FIELDS: [RowField; 3] = [
@@ -85,9 +85,9 @@ pub fn show(ui: &mut Ui, model: &Model, input: &mut DistancesInput, outbox: &mut
             "Pose {label} is not measured: its distances have no effect."
         ));
     }
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("distance", edit, |phases, edit| change(phases, edit, sd_m));
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, |phases, edit| {
+        change(phases, edit, sd_m);
+    });
 }
 
 fn numbers(one: &PoseDistance) -> Numbers {

@@ -130,17 +130,11 @@ fn goals(ui: &mut Ui, state: &mut UntilState, until: &mut UntilSettings, outbox:
         } = entry(*offered);
         ui.horizontal(|ui| {
             checkbox(ui, &mut is_asked, text);
-            let field = Number {
-                name,
-                value: Some(scale * amount(*offered)),
-                decimals: match offered {
-                    Goal::Accuracy(_) => 2,
-                    Goal::Cause(_) | Goal::FaultFree(_) => 0,
-                },
-                unit,
-                optional: false,
-                width: 48.0,
+            let decimals = match offered {
+                Goal::Accuracy(_) => 2,
+                Goal::Cause(_) | Goal::FaultFree(_) => 0,
             };
+            let field = Number::of(name, scale * amount(*offered), decimals, unit, 48.0);
             let with = |typed: f64| format!("{}={typed}{unit}", offered.name()).parse::<Goal>();
             let check = |typed: f64| match (with(typed), *offered) {
                 (Ok(_), _) => Ok(()),

@@ -7,7 +7,7 @@ use tautline_session::{ElongationPoint, PhaseData};
 use crate::screens::bench_panel::{Bench, TableInput, or_dash};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, rows, table};
+use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, table};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::precalibration::{ElongationFit, Table};
 use tautline_workflow::wording::units::signed;
@@ -232,9 +232,7 @@ fn points(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         remarks: ("Residual", "mm"),
         remark: &remarks,
     };
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("point", edit, change);
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, change);
 }
 
 fn numbers(point: &ElongationPoint) -> Numbers {

@@ -84,8 +84,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         PanelPart::Pulleys => pulleys::show(ui, &mut bench),
         PanelPart::Lengths => lengths::show(ui, &mut bench),
         PanelPart::Description => {
-            let drafts = (&mut panel.focused, &mut panel.identity);
-            description::show(ui, &mut bench, drafts);
+            description::show(ui, &mut bench, &mut panel.focused, &mut panel.identity);
         }
         PanelPart::Tolerances => tolerances::show(ui, &mut bench, &mut panel.tolerances),
     }

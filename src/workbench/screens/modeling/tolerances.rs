@@ -273,14 +273,7 @@ fn edit(
     let decimals = text
         .split_once('.')
         .map_or(0, |(_, decimals)| decimals.len());
-    let shown = Number {
-        name: field.name,
-        value,
-        decimals,
-        unit: "",
-        optional: field.is_optional,
-        width: FIELD,
-    };
+    let shown = Number::of(field.name, value, decimals, "", FIELD).optional(field.is_optional);
     let check = |typed: f64| match typed >= 0.0 {
         true => Ok(()),
         false => Err(format!(

@@ -10,7 +10,7 @@ use super::home_picture;
 use super::home_poses::{self, PoseInput};
 use crate::screens::bench_panel::{Bench, TableInput, decimals_for, or_dash};
 use crate::theme;
-use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, rows, table};
+use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, table};
 use tautline_workflow::precalibration::Table;
 
 const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
@@ -191,9 +191,7 @@ fn readings(ui: &mut Ui, bench: &mut Bench<'_>, platform: &HomePlatform, input: 
         remarks: ("", ""),
         remark: &[],
     };
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("reading", edit, change);
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, change);
 }
 
 fn numbers(reading: &HomeReading) -> Numbers {

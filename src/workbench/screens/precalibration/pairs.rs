@@ -7,7 +7,7 @@ use tautline_session::PhaseData;
 use crate::screens::bench_panel::{
     Bench, Residuals, TableInput, decimals_for, or_dash, verdict_cell,
 };
-use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, rows, table};
+use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, table};
 use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::{fixed, signed};
@@ -265,11 +265,9 @@ fn pairs<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input
         remarks: ("Residual", unit),
         remark: &remarks,
     };
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("pair", edit, |phases, edit| {
-            change(I::pairs_mut(phases), chosen, edit);
-        });
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, |phases, edit| {
+        change(I::pairs_mut(phases), chosen, edit);
+    });
 }
 
 fn change<P: Pair>(pairs: &mut Vec<P>, cable: usize, edit: RowsEdit) {

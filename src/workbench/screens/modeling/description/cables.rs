@@ -191,7 +191,7 @@ fn numbers(
             continue;
         }
         let name = format!("{} of all cables", column.title);
-        if let Some(entered) = cell(ui, &name, (k, widths[k]), table.common(k), may_lack).0 {
+        if let Some(entered) = cell(ui, &name, k, widths[k], table.common(k), may_lack).0 {
             edited = Some(entered.map(|value| {
                 let mut table = table.clone();
                 table.set_all(k, value);
@@ -203,7 +203,7 @@ fn numbers(
     for (row, values) in table.cells.iter().enumerate() {
         for (k, value) in values.iter().enumerate() {
             let name = table.cell_name(row, k);
-            let (entered, has_focus) = cell(ui, &name, (k, widths[k]), *value, may_lack);
+            let (entered, has_focus) = cell(ui, &name, k, widths[k], *value, may_lack);
             if has_focus {
                 *focused = Some((row, k));
             }
@@ -233,19 +233,14 @@ fn width(ui: &Ui, table: &CableTable, column: usize) -> f32 {
 fn cell(
     ui: &mut Ui,
     name: &str,
-    (column, width): (usize, f32),
+    column: usize,
+    width: f32,
     value: Option<f64>,
     may_lack: bool,
 ) -> (Option<Result<Option<f64>, String>>, bool) {
     let column = &COLUMNS[column];
-    let field = Number {
-        name,
-        value,
-        decimals: column.decimals,
-        unit: "",
-        optional: may_lack || column.empty != Empty::Missing,
-        width,
-    };
+    let field = Number::of(name, value, column.decimals, "", width)
+        .optional(may_lack || column.empty != Empty::Missing);
     let entered = number(ui, &field).map(|entered| match entered {
         Entered::Value(value) => Ok(Some(value)),
         Entered::Nothing => Ok(None),

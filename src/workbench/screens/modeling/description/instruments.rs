@@ -9,9 +9,6 @@ use super::field::{CommonNumber, NumberField, change, grid, of_part, one, option
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{UiExt, checkbox};
 
-/// Degrees in a radian.
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     ui.section("Instruments");
     forces(ui, bench);
@@ -100,7 +97,7 @@ fn laser(ui: &mut Ui, bench: &mut Bench<'_>) {
         one(ui, bench, &field, plane.offset_m, set);
         let field = NumberField::millimetres("Plane known to", 1);
         let set = of_part(part, |laser, value| laser.target_plane.offset_sd_m = value);
-        optional(ui, bench, &field, (plane.offset_sd_m, true), set);
+        optional(ui, bench, &field, plane.offset_sd_m, set);
     });
 }
 
@@ -135,10 +132,7 @@ fn inclinometer(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
     if let Some(inclinometer) = inclinometer {
         grid(ui, "fields of the inclinometer", |ui| {
-            let field = NumberField {
-                per_si: DEGREES,
-                ..NumberField::new("Noise of an angle", "°", 4)
-            };
+            let field = NumberField::degrees("Noise of an angle", 4);
             one(ui, bench, &field, inclinometer.sd_rad, |robot, value| {
                 robot.inclinometer = Some(Inclinometer { sd_rad: value });
             });
@@ -167,11 +161,8 @@ fn tracker(ui: &mut Ui, bench: &mut Bench<'_>) {
             });
             one(ui, bench, &field, sd_m, set);
         }
-        let field = NumberField {
-            per_si: DEGREES,
-            ..NumberField::new("Noise of an orientation", "°", 4)
-        };
+        let field = NumberField::degrees("Noise of an orientation", 4);
         let set = of_part(part, |tracker, value| tracker.orientation_sd_rad = value);
-        optional(ui, bench, &field, (tracker.orientation_sd_rad, true), set);
+        optional(ui, bench, &field, tracker.orientation_sd_rad, set);
     });
 }

@@ -16,7 +16,8 @@ use crate::widgets::UiExt;
 pub(super) fn show(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    (focused, drafts): (&mut FocusedCell, &mut Drafts),
+    focused: &mut FocusedCell,
+    drafts: &mut Drafts,
 ) {
     ui.muted("Every number is checked as it is typed, and the 3D view follows. What is not known yet may be rough: identification finds the pulleys.");
     identity::show(ui, bench, drafts);
