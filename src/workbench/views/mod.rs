@@ -61,8 +61,8 @@ impl ViewStates {
 /// Draws the robot in 3D with the time line of the poses below, or the inspected pulley.
 pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
     if let Some(inspected) = pulley_inspector::inspected(model) {
-        let view = (&mut views.robot_3d, &mut views.hovered);
-        pulley_inspector::show(ui, model, inspected, view, outbox);
+        let (view, hovered) = (&mut views.robot_3d, &mut views.hovered);
+        pulley_inspector::show(ui, model, inspected, view, hovered, outbox);
         return;
     }
     pulley_inspector::key(ui, model, outbox);
@@ -84,7 +84,7 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
         None => Frame::new().fill(theme::of(ui).ground),
     };
     CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-        let view = (&mut views.robot_3d, &mut views.hovered);
-        robot_3d::show(ui, model, view, outbox);
+        let (view, hovered) = (&mut views.robot_3d, &mut views.hovered);
+        robot_3d::show(ui, model, view, hovered, outbox);
     });
 }

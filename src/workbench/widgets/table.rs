@@ -37,9 +37,9 @@ impl<'a> TableColumn<'a> {
 
 #[derive(Debug, Clone, Default)]
 pub struct Cell {
-    text: String,
+    pub(crate) text: String,
     icon: Option<MaterialIcon>,
-    colour: Option<Color32>,
+    pub(crate) colour: Option<Color32>,
     dot: Option<Color32>,
 }
 

@@ -61,11 +61,18 @@ impl Drawn {
 
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
+/// Parts, and their titles in a small window.
+const PARTS: [(ScreenPart, &str); 3] = [
+    (ScreenPart::Panel, "Differences"),
+    (ScreenPart::Robot, "3D view"),
+    (ScreenPart::Plots, "Residuals"),
+];
 
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     Panel::top("compared sessions")
@@ -79,11 +86,16 @@ pub fn show(
                 views.compared_3d.look_anew();
                 Drawn::new(compared)
             });
-            if ui.available_width() < COMPACT {
-                compact(ui, model, &drawn, (&mut panel.part, views), outbox);
-            } else {
-                wide(ui, model, &drawn, views, outbox);
-            }
+                let draw = |ui: &mut Ui, part: ScreenPart| match part {
+                    ScreenPart::Panel => differences(ui, model, &drawn, views, outbox),
+                    ScreenPart::Robot => robots(ui, model, &drawn, views, outbox),
+                    ScreenPart::Plots => residuals(ui, model, &drawn, outbox),
+                };
+                if ui.available_width() < COMPACT {
+                    one_part(ui, &mut panel.part, PARTS, draw);
+                } else {
+                    wide(ui, draw);
+                }
             panel.drawn = Some(drawn);
         }
         Some(Err(error)) => {
@@ -101,44 +113,24 @@ pub fn show(
 }
 
 /// All parts side by side.
-fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
+fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
     let side = panel_frame(ui);
     Panel::right("differences")
         .frame(side)
         .default_size(600.0)
         .size_range(420.0..=760.0)
-        .show(ui, |ui| differences(ui, model, drawn, views, outbox));
+        .show(ui, |ui| draw(ui, ScreenPart::Panel));
     Panel::bottom("residuals of both")
         .frame(side)
         .default_size(230.0)
         .size_range(140.0..=500.0)
-        .show(ui, |ui| residuals(ui, model, drawn, outbox));
-    CentralPanel::no_frame().show(ui, |ui| robots(ui, model, drawn, views, outbox));
-}
-
-/// One part at a time, in a small window.
-fn compact(
-    ui: &mut Ui,
-    model: &Model,
-    drawn: &Drawn,
-    (part, views): (&mut ScreenPart, &mut ViewStates),
-    outbox: &mut Outbox,
-) {
-    let parts = [
-        (ScreenPart::Panel, "Differences"),
-        (ScreenPart::Robot, "3D view"),
-        (ScreenPart::Plots, "Residuals"),
-    ];
-    one_part(ui, part, parts, |ui, part| match part {
-        ScreenPart::Panel => differences(ui, model, drawn, views, outbox),
-        ScreenPart::Robot => robots(ui, model, drawn, views, outbox),
-        ScreenPart::Plots => residuals(ui, model, drawn, outbox),
-    });
+        .show(ui, |ui| draw(ui, ScreenPart::Plots));
+    CentralPanel::no_frame().show(ui, |ui| draw(ui, ScreenPart::Robot));
 }
 
 fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
-    let view = (&mut views.compared_3d, &mut views.hovered);
-    show_beside(ui, &drawn.scene, model.selection, view, outbox);
+    let (view, hovered) = (&mut views.compared_3d, &mut views.hovered);
+    show_beside(ui, &drawn.scene, model.selection, view, hovered, outbox);
 }
 
 /// Panel on the right: the verdict, then all differences.

@@ -6,14 +6,14 @@ use egui::Ui;
 use nalgebra::Vector3;
 use tautline_core::estimation::{ParameterId, Solution};
 
-use super::rows::{Cell, deviation, heads, millimetres, row};
+use super::rows::{deviation, heads, millimetres, row};
 use super::{Panel, doctor, identify, suspects};
 use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::model::next_step::of_fit;
 use crate::theme::{self, GRID};
 use crate::views::pulley_inspector;
-use crate::widgets::{UiExt, Verdict, checkbox};
+use crate::widgets::{Cell, UiExt, Verdict, checkbox};
 use tautline_workflow::identification::{
     FitVerdict, Identification, entry_point_covariance, entry_point_sd,
 };
@@ -157,8 +157,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
         let selected = panel.model.selection.cable == Some(index);
         let mut cells = vec![
             Cell::new(format!("{}  {}", index + 1, cable.name))
-                .coloured(theme::of(ui).cable(index))
-                .strong(),
+                .coloured(theme::of(ui).cable(index)),
             Cell::new(millimetres(size, sd)),
             Cell::new(deviation(sd)),
         ];
@@ -189,7 +188,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
             axes(ui, &fit.solution, index, [nominal, found], other);
         }
         if selected {
-            pulley_inspector::button(ui, (index, &cable.name), panel.outbox);
+            pulley_inspector::button(ui, index, &cable.name, panel.outbox);
         }
     }
     ui.muted("Moved: distance from the nominal position. ±: standard deviation in that direction. Double-click a pulley to inspect it.");

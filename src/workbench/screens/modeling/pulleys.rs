@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     overview(ui, bench, chosen, states.as_deref());
     ui.section(&format!("Pulley of {}", bench.cable_name(chosen)));
     let name = bench.cable_name(chosen).to_owned();
-    pulley_inspector::button(ui, (chosen, &name), bench.outbox);
+    pulley_inspector::button(ui, chosen, &name, bench.outbox);
     fields(ui, bench, chosen);
     if let Some(state) = states.as_ref().and_then(|states| states.get(chosen)) {
         pulley_picture::show(ui, bench.robot(), chosen, state);

@@ -65,6 +65,12 @@ impl Drawn {
 
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
+/// Parts, and their titles in a small window.
+const PARTS: [(ScreenPart, &str); 3] = [
+    (ScreenPart::Panel, "Changes"),
+    (ScreenPart::Robot, "3D view"),
+    (ScreenPart::Plots, "Courses"),
+];
 /// Names of the two sets of pulleys in the 3D view.
 const NAMES: SideNames = SideNames {
     first: "first session",
@@ -74,14 +80,15 @@ const NAMES: SideNames = SideNames {
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     Panel::top("record")
         .frame(panel_frame(ui))
         .show(ui, |ui| chooser::show(ui, model, panel, outbox));
     match model.record.result() {
-        Some(Ok(open)) => opened(ui, model, open, (panel, views), outbox),
+        Some(Ok(open)) => opened(ui, model, open, panel, views, outbox),
         Some(Err(error)) => {
             ui.add_space(6.0 * GRID);
             ui.horizontal(|ui| {
@@ -101,7 +108,8 @@ fn opened(
     ui: &mut Ui,
     model: &Model,
     open: &Arc<OpenRecord>,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     let last = open.record.sessions.len() - 1;
@@ -118,57 +126,36 @@ fn opened(
         drawn.scene = Arc::new(scene(open, panel.shown));
         drawn.shown = panel.shown;
     }
+    let mut part = panel.part;
+    let draw = |ui: &mut Ui, part: ScreenPart| match part {
+        ScreenPart::Panel => changes(ui, model, &drawn, panel, outbox),
+        ScreenPart::Robot => robot(ui, model, &drawn, panel, views, outbox),
+        ScreenPart::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
+    };
     if ui.available_width() < COMPACT {
-        compact(ui, model, &drawn, (panel, views), outbox);
+        one_part(ui, &mut part, PARTS, draw);
     } else {
-        wide(ui, model, &drawn, (panel, views), outbox);
+        wide(ui, draw);
     }
+    panel.part = part;
     panel.drawn = Some(drawn);
 }
 
 /// All parts side by side.
-fn wide(
-    ui: &mut Ui,
-    model: &Model,
-    drawn: &Drawn,
-    (panel, views): (&mut PanelState, &mut ViewStates),
-    outbox: &mut Outbox,
-) {
+fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
     let side = panel_frame(ui);
     Panel::right("what changed")
         .frame(side)
         .default_size(560.0)
         .size_range(420.0..=760.0)
-        .show(ui, |ui| changes(ui, model, drawn, panel, outbox));
+        .show(ui, |ui| draw(ui, ScreenPart::Panel));
     let height = 0.5 * ui.available_height();
     Panel::bottom("courses")
         .frame(side)
         .default_size(height)
         .size_range(160.0..=1.6 * height)
-        .show(ui, |ui| lanes::show(ui, model, &drawn.lanes, outbox));
-    CentralPanel::no_frame().show(ui, |ui| robot(ui, model, drawn, (panel, views), outbox));
-}
-
-/// One part at a time, in a small window.
-fn compact(
-    ui: &mut Ui,
-    model: &Model,
-    drawn: &Drawn,
-    (panel, views): (&mut PanelState, &mut ViewStates),
-    outbox: &mut Outbox,
-) {
-    let parts = [
-        (ScreenPart::Panel, "Changes"),
-        (ScreenPart::Robot, "3D view"),
-        (ScreenPart::Plots, "Courses"),
-    ];
-    let mut part = panel.part;
-    one_part(ui, &mut part, parts, |ui, part| match part {
-        ScreenPart::Panel => changes(ui, model, drawn, panel, outbox),
-        ScreenPart::Robot => robot(ui, model, drawn, (panel, views), outbox),
-        ScreenPart::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
-    });
-    panel.part = part;
+        .show(ui, |ui| draw(ui, ScreenPart::Plots));
+    CentralPanel::no_frame().show(ui, |ui| draw(ui, ScreenPart::Robot));
 }
 
 /// Pulleys in 3D at a date, and the slider for it.
@@ -176,7 +163,8 @@ fn robot(
     ui: &mut Ui,
     model: &Model,
     drawn: &Drawn,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     let sessions = &drawn.open.record.sessions;
@@ -196,8 +184,8 @@ fn robot(
             });
             ui.muted(&path_in_words(drawn, model.selection));
         });
-    let view = (&mut views.record_3d, &mut views.hovered);
-    show_beside(ui, &drawn.scene, model.selection, view, outbox);
+    let (view, hovered) = (&mut views.record_3d, &mut views.hovered);
+    show_beside(ui, &drawn.scene, model.selection, view, hovered, outbox);
 }
 
 /// Text on the path of the selected pulley.

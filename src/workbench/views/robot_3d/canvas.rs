@@ -132,7 +132,8 @@ pub fn steer(
     ui: &Ui,
     response: &Response,
     camera: &mut Camera,
-    (pivot, under): (Option<Vec3>, Option<Vec3>),
+    pivot: Option<Vec3>,
+    under: Option<Vec3>,
 ) {
     let rect = response.rect;
     let aspect = f64::from(rect.aspect_ratio());

@@ -223,7 +223,8 @@ impl Robot3d {
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (view, hovered): (&mut Robot3d, &mut Selection),
+    view: &mut Robot3d,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {
@@ -234,7 +235,7 @@ pub fn show(
     let scene = view.scene_of(ui, model, open);
     let mut maximise = false;
     let button = model.maximised.is_none().then_some(&mut maximise);
-    let aim = view.toolbar(ui, &scene, (model.selection, button));
+    let aim = view.toolbar(ui, &scene, model.selection, button);
     if maximise {
         outbox.send(ViewCommand::Maximise(Some(ScreenPart::Robot)));
     }
@@ -245,11 +246,16 @@ pub fn show(
 /// Draws the inspected pulley, with everything else faded.
 pub fn inspect(
     ui: &mut Ui,
-    (model, open): (&Model, &OpenSession),
+    model: &Model,
     cable: usize,
-    (view, hovered): (&mut Robot3d, &mut Selection),
-    (aim, outbox): (Option<CameraRequest>, &mut Outbox),
+    view: &mut Robot3d,
+    hovered: &mut Selection,
+    aim: Option<CameraRequest>,
+    outbox: &mut Outbox,
 ) {
+    let Some(open) = &model.open else {
+        return;
+    };
     view.inspect(Some(cable));
     let scene = view.scene_of(ui, model, open);
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
@@ -261,10 +267,11 @@ pub fn show_beside(
     ui: &mut Ui,
     scene: &Arc<Scene>,
     selection: Selection,
-    (view, hovered): (&mut Robot3d, &mut Selection),
+    view: &mut Robot3d,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
-    let aim = view.toolbar(ui, scene, (selection, None));
+    let aim = view.toolbar(ui, scene, selection, None);
     let mut touched = view.show(ui, scene, aim, selection, hovered);
     if let Some(cable) = touched.inspected.take() {
         view.frame(cable);
@@ -320,7 +327,8 @@ impl Robot3d {
         &mut self,
         ui: &mut Ui,
         scene: &Scene,
-        (selection, maximise): (Selection, Option<&mut bool>),
+        selection: Selection,
+        maximise: Option<&mut bool>,
     ) -> Option<CameraRequest> {
         let mut aim = None;
         let projection = self
@@ -444,7 +452,7 @@ impl Robot3d {
         let tips = self.options.tips(scene);
         let magnification = self.options.exaggeration_of(scene);
         let navigation = &mut self.navigation;
-        let camera = navigation.aim(ui, (scene, magnification), tips, aim, aspect);
+        let camera = navigation.aim(ui, scene, magnification, tips, aim, aspect);
         let picture = Picture {
             scene,
             options: &self.options,
@@ -460,7 +468,7 @@ impl Robot3d {
         if response.double_clicked() && is_empty() {
             let tips = self.options.tips(scene);
             let all = Some(CameraRequest::All);
-            navigation.aim(ui, (scene, magnification), tips, all, aspect);
+            navigation.aim(ui, scene, magnification, tips, all, aspect);
         } else {
             navigation.steer(ui, response, under);
         }

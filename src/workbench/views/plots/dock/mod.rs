@@ -255,7 +255,8 @@ fn restore(area: &mut PlotArea, plot: PlotId) {
 pub(crate) fn show(
     ui: &mut Ui,
     model: &Model,
-    (panes, hovered): (&mut Panes, &mut Selection),
+    panes: &mut Panes,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {
