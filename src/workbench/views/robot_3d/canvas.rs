@@ -11,7 +11,7 @@ use super::camera::{Camera, StandardView};
 use super::drawing::Drawing;
 use super::framebuffer::PixelBox;
 use super::gpu::{Gpu, PictureKey};
-use super::overlay;
+use super::overlay::Overlay;
 use super::picking::{Pickable, Picture};
 use super::toolbar::CameraRequest;
 use crate::model::Selection;
@@ -68,7 +68,13 @@ impl Canvas {
         }
         let scale = ui.pixels_per_point();
         painter.add(self.callback(rect, drawing, (number, moves), picture.camera, scale));
-        overlay::paint(&painter, rect, picture, hovered, palette);
+        let overlay = Overlay {
+            painter: &painter,
+            rect,
+            picture,
+            palette,
+        };
+        overlay.paint(hovered);
     }
 
     fn callback(
