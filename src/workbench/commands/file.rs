@@ -299,7 +299,7 @@ fn recover(model: &mut Model, place: usize) {
     let left = model.unsaved_sessions.remove(place);
     match left.recover() {
         Ok(Loaded { value, notices }) => {
-            tell(model, notices);
+            model.messages.warnings(notices);
             open(
                 model,
                 Opening {
@@ -339,12 +339,6 @@ pub fn find_unsaved(model: &mut Model) {
         let left = find_unsaved_sessions(&folder).map_err(|error| error.to_string());
         FileOutcome::UnsavedSessions(left).into()
     });
-}
-
-fn tell(model: &mut Model, notices: Vec<String>) {
-    for notice in notices {
-        model.messages.warning(notice);
-    }
 }
 
 pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
@@ -395,7 +389,7 @@ fn saved(
 }
 
 fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
-    tell(model, loaded.notices);
+    model.messages.warnings(loaded.notices);
     let named = |path: &Path| {
         path.file_name()
             .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
@@ -414,7 +408,7 @@ fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
             None,
         ),
         Import::Dataset(folder) => {
-            tell(model, folder.notices.clone());
+            model.messages.warnings(folder.notices.clone());
             let session = Session::of_dataset(named(&path), *folder, clock::now());
             begin(model, session, None);
         }

@@ -256,8 +256,7 @@ fn save_gallery(model: &mut Model, path: PathBuf) {
     };
     let gallery = Arc::clone(gallery);
     write(model, "Writing the gallery", path, move |path| {
-        let written = write_gallery(path, &gallery, clock::now());
-        written.map(|()| None).map_err(|error| error.to_string())
+        write_gallery(path, &gallery, clock::now())
     });
 }
 
@@ -265,9 +264,10 @@ fn save_gallery(model: &mut Model, path: PathBuf) {
 pub(super) fn add_those_of_user(model: &mut Model, session: &mut Session) {
     let folder = HypothesisFolder::read(&model.folders.effects());
     let added = folder.add_to(&mut session.robot);
-    for notice in folder.notices.into_iter().chain(added) {
-        model.messages.warning(format!("{notice}."));
-    }
+    let notices = folder.notices.into_iter().chain(added);
+    model
+        .messages
+        .warnings(notices.map(|notice| format!("{notice}.")));
 }
 
 pub(super) fn receive(model: &mut Model, outcome: HypothesisOutcome) {

@@ -9,7 +9,7 @@ use tautline_session::{write_check, write_plan, write_text};
 use tautline_workflow::exporting::dialect_text;
 
 use crate::commands::file_dialog::pick;
-use crate::commands::file_tasks::{ask_save, write as write_file, written};
+use crate::commands::file_tasks::{ask_save, file_label, write as write_file, written};
 use crate::model::Model;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{CorrectedFile, Export, FileCorrection, RobotCommand};
@@ -26,8 +26,6 @@ pub(super) fn write(model: &mut Model, export: Export, path: PathBuf) {
     };
     write_file(model, "Writing a file", path, move |path| {
         write_text(path, &text)
-            .map(|()| None)
-            .map_err(|error| error.to_string())
     });
 }
 
@@ -68,8 +66,7 @@ pub(super) fn correct(model: &mut Model, path: &Path) {
     };
     let path = path.to_owned();
     model.tasks.start("Correcting a file", move |_| {
-        let file = path.file_name().unwrap_or_default();
-        let file = file.to_string_lossy().into_owned();
+        let file = file_label(&path);
         let corrected = || -> Result<_, String> {
             let text = read_description_text(&path).map_err(|error| error.to_string())?;
             let dialect = Dialect::of(&text).ok_or_else(|| {

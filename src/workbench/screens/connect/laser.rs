@@ -48,45 +48,35 @@ impl LaserDraft {
             (LaserSettings::Line(line), _) | (_, LaserSettings::Line(line)) => line.clone(),
             _ => usual,
         };
-        let (host, port, device, baud, from) = match &base.port {
-            LaserPort::Tcp { host, port } => {
-                let port = port.to_string();
-                (
-                    host.clone(),
-                    port,
-                    String::new(),
-                    "9600".into(),
-                    LaserFrom::Network,
-                )
-            }
-            LaserPort::Serial { device, baud, .. } => {
-                let baud = baud.to_string();
-                (
-                    String::new(),
-                    String::new(),
-                    device.clone(),
-                    baud,
-                    LaserFrom::Serial,
-                )
-            }
-        };
-        Self {
-            from: match settings {
-                LaserSettings::Controller => LaserFrom::Controller,
-                LaserSettings::Manual => LaserFrom::Manual,
-                LaserSettings::Line(_) => from,
-            },
-            host,
-            port,
-            device,
-            baud,
+        let mut draft = Self {
+            from: LaserFrom::Controller,
+            host: String::new(),
+            port: String::new(),
+            device: String::new(),
+            baud: "9600".into(),
             pattern: base.pattern.clone().unwrap_or_default(),
             no_return: base.no_return.join(" | "),
             command: escaped(base.command.as_deref().unwrap_or_default()),
             base,
             ports: None,
             test: None,
-        }
+        };
+        let from = match &draft.base.port {
+            LaserPort::Tcp { host, port } => {
+                (draft.host, draft.port) = (host.clone(), port.to_string());
+                LaserFrom::Network
+            }
+            LaserPort::Serial { device, baud, .. } => {
+                (draft.device, draft.baud) = (device.clone(), baud.to_string());
+                LaserFrom::Serial
+            }
+        };
+        draft.from = match settings {
+            LaserSettings::Controller => LaserFrom::Controller,
+            LaserSettings::Manual => LaserFrom::Manual,
+            LaserSettings::Line(_) => from,
+        };
+        draft
     }
 
     /// Ends the test, so that the laser is free for a connection.
