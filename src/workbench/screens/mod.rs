@@ -72,7 +72,7 @@ pub fn phase(
     outbox: &mut Outbox,
     phase: Phase,
 ) {
-    if let Some(step) = next_step::of(model, phase, panels.measuring.poses()) {
+    if let Some(step) = next_step::of(model, phase, panels.measuring.poses) {
         let frame = Frame::new().inner_margin(Margin {
             top: 2 * GRID as i8,
             ..Margin::ZERO

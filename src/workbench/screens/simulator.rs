@@ -23,7 +23,7 @@ const WIDTH: f32 = 860.0;
 const PLOT: f32 = 280.0;
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    page(ui, (WIDTH, 4.0 * GRID), |ui| {
+    page(ui, WIDTH, 4.0 * GRID, |ui| {
         ui.horizontal(|ui| {
             ui.heading("Simulator and machine");
             if ui.button("Choose readings…").clicked() {

@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let is_wide = ui.available_width() >= WIDE;
     let above = (ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID);
     let width = if is_wide { COLUMNS } else { COLUMN };
-    page(ui, (width, above), |ui| {
+    page(ui, width, above, |ui| {
         ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
         ui.muted("Identify the pulleys of a cable robot and diagnose its model.");
         ui.add_space(4.0 * GRID);

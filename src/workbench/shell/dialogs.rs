@@ -33,7 +33,7 @@ fn leaving(ui: &mut Ui, state: &mut AppState) {
         return;
     };
     let is_unsaved = draft.leaving.ends_session() && model.is_unsaved();
-    let (answer, is_left) = modal(ui, ("leaving", 420.0), |ui| {
+    let (answer, is_left) = modal(ui, "leaving", 420.0, |ui| {
         ui.heading(match is_unsaved {
             true => "Save the changes?",
             false => "Disconnect the armed robot?",
@@ -103,7 +103,7 @@ fn elsewhere(ui: &mut Ui, state: &mut AppState) {
     let Some((opening, since)) = &state.model.dialogs.elsewhere else {
         return;
     };
-    let (answer, is_left) = modal(ui, ("elsewhere", 460.0), |ui| {
+    let (answer, is_left) = modal(ui, "elsewhere", 460.0, |ui| {
         ui.heading(&format!("Open in another window since {since}"));
         let text = "Two windows must not work with one session and its robot. What the other one has not saved stays there.";
         ui.label(format!("{}: {text}", opening.session.name));
@@ -134,7 +134,7 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut AppState) {
         return;
     };
     let into_session = draft.checked().is_ok() && model.open.is_some();
-    let (answer, is_left) = modal(ui, ("unsaved hypothesis", 420.0), |ui| {
+    let (answer, is_left) = modal(ui, "unsaved hypothesis", 420.0, |ui| {
         ui.heading("Save the hypothesis?");
         ui.label(match into_session {
             true => "Its text is in no file and not in the session.",
@@ -165,7 +165,7 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
     let review = &draft.review;
     let open = state.model.open.as_ref();
     let cables = open.map_or(&[][..], |open| &open.session().robot.cables);
-    let (answer, is_left) = modal(ui, ("write values", 600.0), |ui| {
+    let (answer, is_left) = modal(ui, "write values", 600.0, |ui| {
         ui.heading("Write these values?");
         let values = count(review.changes().count(), "value");
         let controller = &state.model.link.identity;

@@ -142,7 +142,7 @@ fn phase(ui: &mut Ui, state: &mut AppState, current: Phase) {
         range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
     };
     let panel = Panel::right("phase").frame(side);
-    let dragged = sized(ui, panel, (width, 0), |ui| panel_of(ui, state, current));
+    let dragged = sized(ui, panel, width, 0, |ui| panel_of(ui, state, current));
     if let Some(width) = dragged {
         state
             .model
@@ -167,7 +167,7 @@ fn phase(ui: &mut Ui, state: &mut AppState, current: Phase) {
         range: Rangef::new(140.0, (0.8 * height).max(150.0)),
     };
     let area = Panel::bottom("plots").frame(side);
-    let dragged = sized(ui, area, (size, 1), |ui| plots(ui, state));
+    let dragged = sized(ui, area, size, 1, |ui| plots(ui, state));
     if let Some(height) = dragged {
         state
             .model

@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     let enabled = items.iter().filter(|item| item.enabled).count();
     let mut chosen = None;
     let before = text.clone();
-    let ((), is_left) = modal(ui, ("command palette", 480.0), |ui| {
+    let ((), is_left) = modal(ui, "command palette", 480.0, |ui| {
         let field = TextEdit::singleline(&mut text)
             .hint_text("Type a command")
             .desired_width(f32::INFINITY);

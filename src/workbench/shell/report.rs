@@ -15,7 +15,7 @@ use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 /// Draws the report dialog.
 pub fn show(ui: &mut Ui, state: &mut AppState, mut draft: ReportDraft) {
     let format = draft.format;
-    let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
+    let ((), is_left) = modal(ui, "save report", 520.0, |ui| {
         ui.heading(&format!("Save the report as {}", format.title()));
         let is_of_session = matches!(state.model.screen, Screen::Phase(_));
         if is_of_session {

@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         SaveContent::Session => open.and_then(OpenSession::path),
         _ => None,
     };
-    let (is_cancelled, is_left) = modal(ui, ("save", 560.0), |ui| {
+    let (is_cancelled, is_left) = modal(ui, "save", 560.0, |ui| {
         ui.heading(draft.content.title());
         let asked = form(ui, &mut draft.form, own);
         if asked.browse {

@@ -52,7 +52,7 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
     let palette = theme::of(ui);
     if let Some(lost) = &live.lost {
         let words = lost_words(lost);
-        return chip(ui, state, (words.trim_end_matches('.'), palette.bad));
+        return chip(ui, state, words.trim_end_matches('.'), palette.bad);
     }
     let Some(controller) = live.state else {
         if state.model.open.is_some() {
@@ -60,7 +60,7 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
                 true => "connecting…",
                 false => "not connected",
             };
-            chip(ui, state, (words, palette.muted));
+            chip(ui, state, words, palette.muted);
         }
         return;
     };
@@ -77,11 +77,11 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
         (Some(RobotKind::OfDescription), words) => format!("simulated, {words}"),
         (_, words) => words.to_owned(),
     };
-    chip(ui, state, (&words, colour));
+    chip(ui, state, &words, colour);
 }
 
 /// Status of the controller. Without a connection it is a button that opens the connection dialog.
-fn chip(ui: &mut Ui, state: &mut AppState, (words, colour): (&str, egui::Color32)) {
+fn chip(ui: &mut Ui, state: &mut AppState, words: &str, colour: egui::Color32) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
     if state.model.link.connected.is_some() {
         ui.label(RichText::new(words).small().color(colour));

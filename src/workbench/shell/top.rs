@@ -47,9 +47,7 @@ pub fn send(state: &mut AppState, commands: &[Command]) {
 pub fn show(ui: &mut Ui, state: &mut AppState, items: &[MenuItem]) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
-            ui.menu_button(menu.title(), |ui| {
-                lines(ui, state, (menu, items));
-            });
+            ui.menu_button(menu.title(), |ui| lines(ui, state, menu, items));
         }
         if state.model.open.is_some() {
             ui.separator();
@@ -63,7 +61,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState, items: &[MenuItem]) {
 }
 
 /// Items of a menu; a long menu scrolls in a low window.
-fn lines(ui: &mut Ui, state: &mut AppState, (menu, items): (Menu, &[MenuItem])) {
+fn lines(ui: &mut Ui, state: &mut AppState, menu: Menu, items: &[MenuItem]) {
     let own: Vec<&MenuItem> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;
     let mut add = |ui: &mut Ui| {

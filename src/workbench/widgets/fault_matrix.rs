@@ -62,7 +62,7 @@ fn fault_matrix(ui: &mut Ui, table: &IsolabilityTable) {
                 );
                 let words = format!("{}. {}", kind.title, kind.sentence);
                 name.widget_info(|| WidgetInfo::labeled(Role::Label, true, &words));
-                body(ui, table, &places, (row, palette));
+                body(ui, table, &places, row, palette);
             }
             if let Some(words) = response
                 .hover_pos()
@@ -122,7 +122,7 @@ fn head(ui: &Ui, table: &IsolabilityTable, places: &Places, palette: &Palette) {
     }
 }
 
-fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usize, &Palette)) {
+fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, row: usize, palette: &Palette) {
     let kind = &table.kinds[row];
     let font = FontId::proportional(12.0);
     let name = format!("{}  {}", row + 1, kind.title);
@@ -135,11 +135,11 @@ fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usi
         palette.bad
     };
     let strength = if seen >= SEEN { seen } else { 1.0 - seen };
-    filled(ui, places.shown(row), (colour, strength), palette);
+    filled(ui, places.shown(row), colour, strength, palette);
     number(ui, places.shown(row), seen, palette);
     for (column, cell) in table.cells[row].iter().enumerate() {
         let place = places.cell(row, column);
-        filled(ui, place, (palette.warning, cell.confusion), palette);
+        filled(ui, place, palette.warning, cell.confusion, palette);
         if cell.confusion >= NUMBERED {
             number(ui, place, cell.confusion, palette);
         }
@@ -147,7 +147,7 @@ fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usi
 }
 
 /// Cell with a colour and strength.
-fn filled(ui: &Ui, rect: Rect, (colour, strength): (Color32, f64), palette: &Palette) {
+fn filled(ui: &Ui, rect: Rect, colour: Color32, strength: f64, palette: &Palette) {
     let share = 0.6 * strength.clamp(0.0, 1.0) as f32;
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, palette.ground.lerp_to_gamma(colour, share));

@@ -17,7 +17,9 @@ mod tab_row;
 mod table;
 mod text;
 
-pub use button::{checkbox, choice, entered, icon_button, icon_only, named, primary, radio};
+pub use button::{
+    checkbox, choice, entered, icon_button, icon_only, named, primary, radio, row_ground,
+};
 pub use fault_matrix::fault_window;
 pub use form::{combo_box, form, name_combo_box, name_text_field, text_row};
 pub use import_row::{Import, import_row, path_field};

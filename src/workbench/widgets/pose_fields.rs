@@ -24,8 +24,8 @@ impl PoseFields {
     /// Draws two rows of fields, whose accessible names begin with `name`; `focuses` moves the cursor to the first.
     pub fn show(&mut self, ui: &mut Ui, name: &str, focuses: bool) -> PoseFieldsResponse {
         let (position, angles) = FIELDS.split_at(3);
-        let mut left = self.line(ui, name, (position, 0), "mm", focuses);
-        left |= self.line(ui, name, (angles, 3), "degrees", false);
+        let mut left = self.line(ui, name, position, 0, "mm", focuses);
+        left |= self.line(ui, name, angles, 3, "degrees", false);
         PoseFieldsResponse { left }
     }
 
@@ -33,7 +33,8 @@ impl PoseFields {
         &mut self,
         ui: &mut Ui,
         of: &str,
-        (names, first): (&[&str], usize),
+        names: &[&str],
+        first: usize,
         unit: &str,
         focuses: bool,
     ) -> bool {

@@ -20,7 +20,7 @@ pub fn probability(ui: &mut Ui, what: &str, probability: f64) -> Response {
     } else {
         palette.warning
     };
-    let bar = meter(ui, &name, (probability, colour), Some(NAMING_PROBABILITY));
+    let bar = meter(ui, &name, probability, colour, Some(NAMING_PROBABILITY));
     bar.on_hover_text(format!(
         "{name}. The mark is at 95 %, from where a cause is named."
     ));

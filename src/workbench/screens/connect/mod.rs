@@ -95,7 +95,7 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
     else {
         return;
     };
-    let (is_open, is_left) = modal(ui, ("connect", WIDTH), |ui| {
+    let (is_open, is_left) = modal(ui, "connect", WIDTH, |ui| {
         let room = ui.ctx().content_rect().height();
         ui.heading("Connect to a controller");
         tabs(ui, &mut draft);

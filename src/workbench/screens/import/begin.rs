@@ -13,7 +13,7 @@ use crate::widgets::{COLUMN, UiExt, icon_button, page};
 use egui_material_icons::icons;
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    page(ui, (COLUMN, 8.0 * GRID), |ui| {
+    page(ui, COLUMN, 8.0 * GRID, |ui| {
         ui.heading("Import files of other programs");
         if model.open.is_some() {
             file(ui, panel, outbox);

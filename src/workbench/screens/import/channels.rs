@@ -12,7 +12,7 @@ use super::Bench;
 use crate::model::command::RecordingCommand;
 use crate::model::importing::ChannelPlace;
 use crate::theme::{self, GRID};
-use crate::widgets::UiExt;
+use crate::widgets::{UiExt, row_ground};
 
 /// Height of a row and widths of its parts (points).
 const ROW: f32 = 6.0 * GRID;
@@ -61,12 +61,7 @@ fn row(ui: &mut Ui, bench: &Bench<'_>, series: &Series, place: ChannelPlace) -> 
         return response.clicked();
     }
     let palette = theme::of(ui);
-    if is_shown {
-        ui.painter().rect_filled(rect, 2.0, palette.raised);
-    } else if response.hovered() || response.has_focus() {
-        let fill = palette.hovered.gamma_multiply(0.5);
-        ui.painter().rect_filled(rect, 2.0, fill);
-    }
+    row_ground(ui, &response, 2.0, is_shown);
     let cable = used
         .and_then(|column| Quantity::parse(column))
         .filter(|quantity| quantity.is_per_cable())

@@ -28,7 +28,7 @@ use tautline_workflow::report::overdue;
 #[derive(Debug)]
 pub struct PanelState {
     /// Number of poses to plan.
-    poses: usize,
+    pub poses: usize,
     /// Goal for the standard deviation of the entry points (mm).
     goal_mm: f64,
     /// Plan for which a prediction was requested, and the id of its session.
@@ -45,14 +45,6 @@ pub struct PanelState {
     shows_faults: bool,
     until: until::UntilState,
     distances: distances::DistancesInput,
-}
-
-impl PanelState {
-    /// Number of poses to plan.
-    #[must_use]
-    pub fn poses(&self) -> usize {
-        self.poses
-    }
 }
 
 impl Default for PanelState {

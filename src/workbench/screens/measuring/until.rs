@@ -244,7 +244,7 @@ fn reached(ui: &mut Ui, until: &SequentialRun, known: &Assessment) {
             }
         };
         row(ui, &what, &now);
-        meter(ui, &format!("{what}: {now}"), (share, colour), mark);
+        meter(ui, &format!("{what}: {now}"), share, colour, mark);
     }
 }
 
@@ -263,7 +263,7 @@ fn causes(ui: &mut Ui, document: &UntilDocument) {
         );
         row(ui, &what, &now);
         let name = format!("Probability of {}: {now}", set.causes);
-        meter(ui, &name, (set.probability, palette.muted), None);
+        meter(ui, &name, set.probability, palette.muted, None);
     }
 }
 

@@ -20,7 +20,7 @@ use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum PanelPart {
+pub enum PanelPart {
     #[default]
     Elongation,
     Pulleys,
@@ -32,23 +32,11 @@ enum PanelPart {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    part: PanelPart,
+    pub part: PanelPart,
     elongation: TableInput,
     focused: description::cables::FocusedCell,
     identity: description::identity::Drafts,
     tolerances: tolerances::PanelState,
-}
-
-impl PanelState {
-    /// Opens the part Elongation.
-    pub fn show_elongation(&mut self) {
-        self.part = PanelPart::Elongation;
-    }
-
-    /// Opens the part Description.
-    pub fn show_description(&mut self) {
-        self.part = PanelPart::Description;
-    }
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {

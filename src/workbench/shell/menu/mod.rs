@@ -206,7 +206,7 @@ fn model(state: &AppState) -> Vec<MenuItem> {
 /// Next step of the phase, as in its footer.
 fn next(state: &AppState) -> MenuItem {
     let step = match state.model.screen {
-        Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses()),
+        Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses),
         _ => None,
     };
     let next = match (step.and_then(|step| step.action), state.model.recoverable()) {
