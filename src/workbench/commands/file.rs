@@ -240,8 +240,7 @@ pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
     let draft = draft.into();
     let loses = draft.leaving.ends_session() && model.is_unsaved();
     // The simulated robot of the session is armed again at once.
-    let connected = model.link.connected.as_ref();
-    let is_simulated = connected.is_some_and(|one| one.rig.kind == RobotKind::OfSession);
+    let is_simulated = model.robot_kind() == Some(RobotKind::OfSession);
     let rearms =
         is_simulated && matches!(draft.leaving, Leaving::Robot(RobotCommand::ConnectAndArm));
     if loses || model.would_disarm() && !rearms && !draft.may_disarm {

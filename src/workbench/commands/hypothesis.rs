@@ -203,11 +203,7 @@ fn preview(model: &mut Model) {
         hypothesis.text().to_owned(),
         model.open.as_ref().map(OpenSession::inputs),
     );
-    let measured = model
-        .open
-        .as_ref()
-        .filter(|open| !open.session().measurements.is_empty());
-    if let Some(open) = measured {
+    if let Some(open) = model.measured() {
         let session = open.session().clone();
         let fit = open.fit().filter(|_| open.fit_is_current()).map(Arc::clone);
         model.tasks.start(TRYING, move |task| {

@@ -53,12 +53,9 @@ pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
 }
 
 fn check_readings(model: &mut Model) {
-    let Some(open) = &model.open else {
+    let Some(open) = model.measured().filter(|_| !model.tasks.runs(READINESS)) else {
         return;
     };
-    if open.session().measurements.is_empty() || model.tasks.runs(READINESS) {
-        return;
-    }
     let (dataset, inputs) = (open.session().dataset(), open.inputs());
     model.tasks.start(READINESS, move |_| {
         let found = check(&dataset, None, true);
@@ -71,14 +68,11 @@ fn check_readings(model: &mut Model) {
 }
 
 fn identify(model: &mut Model, keep: bool) {
-    let Some(open) = &model.open else {
+    let Some(open) = model.measured() else {
         return;
     };
-    if open.session().measurements.is_empty() {
-        return;
-    }
-    model.tasks.cancel(IDENTIFYING);
     let (session, inputs) = (open.session().clone(), open.inputs());
+    model.tasks.cancel(IDENTIFYING);
     let progress = FitProgress::default();
     model.identification.progress = progress.clone();
     model.tasks.start(IDENTIFYING, move |task| {
@@ -203,12 +197,9 @@ fn identification_record(session: &Session, fit: &Identification) -> ResultRecor
 }
 
 fn start_diagnosis(model: &mut Model, keep: bool) {
-    let Some(open) = &model.open else {
+    let Some(open) = model.measured().filter(|_| !model.tasks.runs(DIAGNOSING)) else {
         return;
     };
-    if open.session().measurements.is_empty() || model.tasks.runs(DIAGNOSING) {
-        return;
-    }
     let (session, inputs) = (open.session().clone(), open.inputs());
     let current = open.fit().filter(|_| open.fit_is_current()).cloned();
     let limit_s = model.diagnosis_limit_s();

@@ -70,9 +70,9 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
         (_, true) => ("armed", palette.warning),
         (_, false) => ("not armed", palette.muted),
     };
-    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
+
     // A recording must never be mistaken for a robot.
-    let words = match (kind, words) {
+    let words = match (state.model.robot_kind(), words) {
         (Some(RobotKind::Recording), _) => "recording, no robot".to_owned(),
         (Some(RobotKind::OfDescription), words) => format!("simulated, {words}"),
         (_, words) => words.to_owned(),

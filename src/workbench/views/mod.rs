@@ -66,11 +66,7 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
         return;
     }
     pulley_inspector::key(ui, model, outbox);
-    let measured = model
-        .open
-        .as_ref()
-        .is_some_and(|open| !open.session().measurements.is_empty());
-    if measured {
+    if model.measured().is_some() {
         let frame = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
         Panel::bottom("time line")
             .frame(frame)

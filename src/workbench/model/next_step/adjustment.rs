@@ -155,16 +155,11 @@ fn measure(session: &Session, stage: Stage) -> Remedy {
 
 /// Adds the missing parameters for effects to a simulated controller.
 fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Remedy> {
-    let kind = model
-        .link
-        .connected
-        .as_ref()
-        .map(|connected| connected.rig.kind);
     let mut effects = differences
         .iter()
         .filter(|one| one.name.starts_with("effect."));
     let is_unknown = effects.any(|one| one.controller.is_none());
-    (is_unknown && kind == Some(RobotKind::OfSession)).then(|| {
+    (is_unknown && model.robot_kind() == Some(RobotKind::OfSession)).then(|| {
         Remedy::new(
             "Add the parameters to the simulated controller",
             RobotCommand::ConnectAndArm,

@@ -58,16 +58,16 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let review = model.review();
     let is_held = adjusting::written(open.session(), &review.lines).is_some();
     verification::result(ui, open, panel, is_held);
-    checks::show(ui, model, &review.lines);
+    checks::show(ui, open, &review.lines);
     controller::show(ui, model, outbox);
     if current {
-        compare(ui, model, panel, outbox, &review);
+        compare(ui, model, open, panel, outbox, &review);
         write(ui, model, outbox, &review);
         firmware::show(ui, model, outbox);
     }
-    record::show(ui, model);
+    record::show(ui, open);
     verification::show(ui, model, panel, outbox);
-    reveal::show(ui, model, outbox);
+    reveal::show(ui, open, outbox);
 }
 
 /// Warns against values that could make the robot less accurate.
@@ -92,6 +92,7 @@ fn missing(ui: &mut Ui, open: &OpenSession) {
 fn compare(
     ui: &mut Ui,
     model: &Model,
+    open: &OpenSession,
     panel: &mut PanelState,
     outbox: &mut Outbox,
     review: &Review,
@@ -106,12 +107,12 @@ fn compare(
             false => "Connect the controller to compare its values with the identified ones.",
         });
     }
-    table::show(ui, model, panel, outbox, &review.lines);
+    table::show(ui, model, open, panel, outbox, &review.lines);
     if let Some(doubt) = &review.unsupported {
         ui.doubtful(&format!("{}.", doubt.sentence));
         identify_without(ui, review, outbox);
     }
-    let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = model.robot_kind();
     let simulated = matches!(kind, Some(RobotKind::OfSession | RobotKind::OfDescription));
     if !review.effects.is_empty() && simulated {
         let free = !model.link.is_busy();
@@ -140,7 +141,7 @@ fn compare(
 fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
     let changes = review.changes().count();
     ui.add_space(GRID);
-    let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = model.robot_kind();
     let writable = kind != Some(RobotKind::Recording);
     let ready = model.link.is_armed() && !model.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {

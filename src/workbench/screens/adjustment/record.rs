@@ -3,16 +3,13 @@
 use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};
 
-use crate::model::Model;
+use crate::model::OpenSession;
 use crate::widgets::{UiExt, Verdict};
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::local_time::date_and_time;
 
 /// Draws the last outcome and the record.
-pub(super) fn show(ui: &mut Ui, model: &Model) {
-    let Some(open) = &model.open else {
-        return;
-    };
+pub(super) fn show(ui: &mut Ui, open: &OpenSession) {
     let adjustments = open.session().adjustments();
     let Some(last) = adjustments.last() else {
         return;

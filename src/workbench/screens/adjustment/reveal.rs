@@ -4,16 +4,13 @@ use egui::Ui;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::robot::Robot;
 
-use crate::model::Model;
+use crate::model::OpenSession;
 use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
 use crate::widgets::UiExt;
 
 /// Draws the button, or the revealed faults.
-pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(open) = &model.open else {
-        return;
-    };
+pub(super) fn show(ui: &mut Ui, open: &OpenSession, outbox: &mut Outbox) {
     let session = open.session();
     let Some(simulator) = &session.simulator else {
         return;

@@ -5,9 +5,9 @@ use tautline_core::robot::Cable;
 use tautline_link::adjusting::Difference;
 
 use super::PanelState;
-use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
+use crate::model::{Model, OpenSession};
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, TableColumn, TableResponse, UiExt, checkbox, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
@@ -27,13 +27,11 @@ const COLUMNS: [TableColumn<'static>; 6] = [
 pub(super) fn show(
     ui: &mut Ui,
     model: &Model,
+    open: &OpenSession,
     panel: &mut PanelState,
     outbox: &mut Outbox,
     differences: &[Difference],
 ) {
-    let Some(open) = &model.open else {
-        return;
-    };
     let all = panel.all;
     let shown: Vec<&Difference> = differences
         .iter()

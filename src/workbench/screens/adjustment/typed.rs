@@ -31,7 +31,8 @@ pub(super) fn show(
     model: &Model,
     panel: &mut PanelState,
     outbox: &mut Outbox,
-    (number, of): (usize, usize),
+    number: usize,
+    of: usize,
 ) {
     let target = number
         .checked_sub(1)

@@ -27,10 +27,10 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     ui.muted("The robot moves to test poses, along a circle and a line; an external instrument measures its position \
          (ISO 9283). Measure once before writing and once after.");
     buttons(ui, model, outbox);
-    imported(ui, model, outbox);
     let Some(open) = &model.open else {
         return;
     };
+    imported(ui, open, outbox);
     let session = open.session();
     let stages = [Stage::Before, Stage::After].into_iter();
     for run in stages.filter_map(|stage| adjusting::to_continue(session, stage)) {
@@ -92,16 +92,13 @@ pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outb
     motion::position(ui, model);
     motion::tensions(ui, model);
     match model.link.live().doing {
-        RunStep::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
+        RunStep::Locating { number, of } => typed::show(ui, model, panel, outbox, number, of),
         _ => typed::forget(panel),
     }
 }
 
 /// Asks which run an imported table belongs to.
-fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(open) = &model.open else {
-        return;
-    };
+fn imported(ui: &mut Ui, open: &OpenSession, outbox: &mut Outbox) {
     let session = open.session();
     let check = &session.phases.check;
     let taken = session.verifications().iter().any(|run| run.rows == *check);

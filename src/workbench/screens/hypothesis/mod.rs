@@ -94,7 +94,7 @@ fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox
 fn actions(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox) {
     let is_right = draft.checked().is_ok();
     let session = model.open.as_ref().map(|open| open.session());
-    let is_measured = session.is_some_and(|session| !session.measurements.is_empty());
+    let is_measured = model.measured().is_some();
     let is_in_session = session.is_some_and(|session| {
         let mut texts = session.robot.hypotheses.iter();
         texts.any(|text| text == draft.text())

@@ -170,7 +170,7 @@ fn model(state: &AppState) -> Vec<MenuItem> {
         .iter()
         .any(|title| model.tasks.runs(title));
     let open = model.open.as_ref();
-    let measured = open.is_some_and(|d| !d.session().measurements.is_empty());
+    let measured = model.measured().is_some();
     let has_draft = model.hypothesis.draft.is_some();
     let line = |title: &str, enabled, command: Command| Menu::Model.line(title, enabled, command);
     let compute =
