@@ -141,7 +141,8 @@ pub fn read(mapping: &SymbolMapping, need: SymbolRole) -> (String, Option<f64>) 
 pub fn write(
     mapping: &mut SymbolMapping,
     need: SymbolRole,
-    (symbol, scale): (&str, f64),
+    symbol: &str,
+    scale: f64,
 ) -> Result<(), String> {
     let text = symbol.trim();
     let wanted = !text.is_empty();

@@ -12,24 +12,25 @@ const WIDTH: f32 = 240.0;
 
 /// Grid row: name, field, and below it the error.
 pub fn line(ui: &mut Ui, problems: &Problems, field: FieldId, text: &mut String) {
-    edit(ui, field.names(), text, (problems.of(field), false), |_| ());
+    edit(ui, field.names(), text, problems.of(field), false, |_| ());
 }
 
 /// Grid row for the path of a file, with a button for a file dialog; returns whether it was pressed.
 pub fn file(
     ui: &mut Ui,
     problems: &Problems,
-    (field, choose): (FieldId, &str),
+    field: FieldId,
+    choose: &str,
     text: &mut String,
 ) -> bool {
-    edit(ui, field.names(), text, (problems.of(field), false), |ui| {
+    edit(ui, field.names(), text, problems.of(field), false, |ui| {
         icon_button(ui, icons::ICON_FOLDER_OPEN, choose, true).clicked()
     })
 }
 
 /// Grid row for a hidden text, such as a password.
 pub fn secret(ui: &mut Ui, names: (&str, &str), text: &mut String) {
-    edit(ui, names, text, (None, true), |_| ());
+    edit(ui, names, text, None, true, |_| ());
 }
 
 /// Grid row with additional content beside the field.
@@ -37,7 +38,8 @@ fn edit<T>(
     ui: &mut Ui,
     (name, hint): (&str, &str),
     text: &mut String,
-    (problem, is_secret): (Option<&str>, bool),
+    problem: Option<&str>,
+    is_secret: bool,
     beside: impl FnOnce(&mut Ui) -> T,
 ) -> T {
     ui.label(name);

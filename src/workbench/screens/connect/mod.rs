@@ -100,14 +100,19 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
         ui.heading("Connect to a controller");
         tabs(ui, &mut draft);
         let settings = draft.settings(&present);
-        let problems = settings.as_ref().err().cloned().unwrap_or_default();
+        draft.problems = settings.as_ref().err().cloned().unwrap_or_default();
         let height = (room - AROUND).clamp(80.0, 480.0);
         ScrollArea::both()
             .id_salt(draft.part.title())
             .auto_shrink([false, false])
             .max_height(height)
-            .show(ui, |ui| {
-                part(ui, model, &mut draft, (&present, &problems), outbox);
+            .show(ui, |ui| match draft.part {
+                DialogTab::Controller => controller(ui, &mut draft, present.is_demo, outbox),
+                DialogTab::Symbols => symbols(ui, model, &mut draft, &present, outbox),
+                DialogTab::Laser => {
+                    let busy = model.link.is_connected() || model.link.connecting;
+                    draft.laser.show(ui, &draft.problems, busy);
+                }
             });
         ui.add_space(GRID);
         footer(ui, model, &mut draft, settings, outbox)
@@ -132,29 +137,7 @@ fn tabs(ui: &mut Ui, draft: &mut Draft) {
     ui.separator();
 }
 
-fn part(
-    ui: &mut Ui,
-    model: &Model,
-    draft: &mut Draft,
-    (present, problems): (&PresentSettings, &Problems),
-    outbox: &mut Outbox,
-) {
-    match draft.part {
-        DialogTab::Controller => controller(ui, draft, (present, problems), outbox),
-        DialogTab::Symbols => symbols(ui, model, draft, (present, problems), outbox),
-        DialogTab::Laser => {
-            let busy = model.link.is_connected() || model.link.connecting;
-            draft.laser.show(ui, problems, busy);
-        }
-    }
-}
-
-fn controller(
-    ui: &mut Ui,
-    draft: &mut Draft,
-    (present, problems): (&PresentSettings, &Problems),
-    outbox: &mut Outbox,
-) {
+fn controller(ui: &mut Ui, draft: &mut Draft, is_demo: bool, outbox: &mut Outbox) {
     for (kind, text) in [
         (ControllerKind::Simulated, "Simulated robot"),
         (ControllerKind::Recording, "Recording"),
@@ -167,7 +150,7 @@ fn controller(
 
     match draft.kind {
         ControllerKind::Simulated => {
-            let text = match present.is_demo {
+            let text = match is_demo {
                 true => "Demo robot. A fault is hidden in its readings.",
                 false => "A robot that moves as its description says. Its readings are simulated.",
             };
@@ -178,8 +161,8 @@ fn controller(
                         and nothing can be written to it.";
             wrapped(ui, text);
             form("recording").show(ui, |ui| {
-                line(ui, problems, FieldId::Folder, &mut draft.folder);
-                line(ui, problems, FieldId::Speed, &mut draft.speed);
+                line(ui, &draft.problems, FieldId::Folder, &mut draft.folder);
+                line(ui, &draft.problems, FieldId::Speed, &mut draft.speed);
             });
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
                 outbox.send(RobotCommand::Setup(Setup::PickRecording));
@@ -187,11 +170,11 @@ fn controller(
         }
         ControllerKind::Ads => {
             form("ads").show(ui, |ui| {
-                line(ui, problems, FieldId::Host, &mut draft.host);
-                line(ui, problems, FieldId::Port, &mut draft.port);
-                line(ui, problems, FieldId::NetId, &mut draft.net_id);
-                line(ui, problems, FieldId::AmsPort, &mut draft.ams_port);
-                line(ui, problems, FieldId::Timeout, &mut draft.timeout);
+                line(ui, &draft.problems, FieldId::Host, &mut draft.host);
+                line(ui, &draft.problems, FieldId::Port, &mut draft.port);
+                line(ui, &draft.problems, FieldId::NetId, &mut draft.net_id);
+                line(ui, &draft.problems, FieldId::AmsPort, &mut draft.ams_port);
+                line(ui, &draft.problems, FieldId::Timeout, &mut draft.timeout);
             });
             wrapped(
                 ui,
@@ -199,30 +182,24 @@ fn controller(
                  Nothing moves and nothing is written before it is armed.",
             );
         }
-        ControllerKind::OpcUa => {
-            opcua(ui, draft, problems, outbox);
-        }
+        ControllerKind::OpcUa => opcua(ui, draft, outbox),
     }
 }
 
-fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
+fn opcua(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     form("opcua").show(ui, |ui| {
-        line(ui, problems, FieldId::Url, &mut draft.url);
-        chosen(
+        line(ui, &draft.problems, FieldId::Url, &mut draft.url);
+        let all = &OpcUaSecurity::ALL;
+        chosen(ui, "Security", &mut draft.security, all, None);
+        let problem = draft.problems.of(FieldId::Policy);
+        chosen(ui, "Policy", &mut draft.policy, &OpcUaPolicy::ALL, problem);
+        user(ui, draft, outbox);
+        line(
             ui,
-            "Security",
-            (&mut draft.security, &OpcUaSecurity::ALL),
-            None,
+            &draft.problems,
+            FieldId::UrlTimeout,
+            &mut draft.url_timeout,
         );
-        let problem = problems.of(FieldId::Policy);
-        chosen(
-            ui,
-            "Policy",
-            (&mut draft.policy, &OpcUaPolicy::ALL),
-            problem,
-        );
-        user(ui, draft, problems, outbox);
-        line(ui, problems, FieldId::UrlTimeout, &mut draft.url_timeout);
     });
     if draft.security == Some(OpcUaSecurity::None) {
         let text = "Not encrypted: everybody on the network can read and change the messages.";
@@ -235,7 +212,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
 }
 
 /// Grid rows for the authentication of the user.
-fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
+fn user(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     ui.label("Sign in");
     ui.horizontal_wrapped(|ui| {
         for (sign_in, text) in [
@@ -250,21 +227,31 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     match draft.sign_in {
         SignIn::Anonymous => {}
         SignIn::Name => {
-            line(ui, problems, FieldId::User, &mut draft.user);
+            line(ui, &draft.problems, FieldId::User, &mut draft.user);
             let hint = format!("{PASSWORD}, or kept");
             secret(ui, ("Password", &hint), draft.password.text_mut());
             keeping(ui, draft, outbox);
         }
         SignIn::Certificate => {
-            let certificate = (FieldId::UserCertificate, "Choose certificate…");
-            let key = (FieldId::UserKey, "Choose key…");
-            for (names, text, which) in [
-                (certificate, &mut draft.certificate, UserFile::Certificate),
-                (key, &mut draft.key, UserFile::Key),
-            ] {
-                if file(ui, problems, names, text) {
-                    outbox.send(RobotCommand::Setup(Setup::PickUserFile(which)));
-                }
+            let (problems, field) = (&draft.problems, FieldId::UserCertificate);
+            if file(
+                ui,
+                problems,
+                field,
+                "Choose certificate…",
+                &mut draft.certificate,
+            ) {
+                let pick = Setup::PickUserFile(UserFile::Certificate);
+                outbox.send(RobotCommand::Setup(pick));
+            }
+            if file(
+                ui,
+                problems,
+                FieldId::UserKey,
+                "Choose key…",
+                &mut draft.key,
+            ) {
+                outbox.send(RobotCommand::Setup(Setup::PickUserFile(UserFile::Key)));
             }
         }
     }
@@ -303,7 +290,8 @@ fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
 fn chosen<T: Copy + PartialEq + std::fmt::Display>(
     ui: &mut Ui,
     name: &str,
-    (value, all): (&mut Option<T>, &[T]),
+    value: &mut Option<T>,
+    all: &[T],
     problem: Option<&str>,
 ) {
     const BEST: &str = "The best that the server offers";
@@ -334,7 +322,7 @@ fn symbols(
     ui: &mut Ui,
     model: &Model,
     draft: &mut Draft,
-    (present, problems): (&PresentSettings, &Problems),
+    present: &PresentSettings,
     outbox: &mut Outbox,
 ) {
     let robot = &present.robot;
@@ -384,11 +372,12 @@ fn symbols(
     if let Some((kind, text)) = draft.names().rows.summary() {
         ui.verdict(kind, &text);
     }
-    if let Some(text) = problems.of(FieldId::Symbols) {
+    if let Some(text) = draft.problems.of(FieldId::Symbols) {
         ui.bad(&sentence(&format!("{text}.")));
     }
+    let problems = std::mem::take(&mut draft.problems);
     let names = draft.names_mut();
-    names.rows.show(ui, names.is_custom, problems);
+    names.rows.show(ui, names.is_custom, &problems);
 }
 
 /// Question whether the certificate of the server is trusted.

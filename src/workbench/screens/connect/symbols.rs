@@ -87,7 +87,7 @@ impl SymbolRows {
                 true => problems.take(FieldId::Symbol(k), parse_number(&row.scale)),
                 false => Some(1.0),
             };
-            let written = scale.map(|scale| write(&mut mapping, row.need, (&row.symbol, scale)));
+            let written = scale.map(|scale| write(&mut mapping, row.need, &row.symbol, scale));
             if let Some(Err(text)) = written {
                 problems.add(FieldId::Symbol(k), text);
                 good = false;
