@@ -2,7 +2,6 @@
 //! fitted values to the robot.
 
 use egui::Ui;
-use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_session::{PhaseData, Session};
 
@@ -11,7 +10,7 @@ use crate::model::edit::Edit;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{Cell, Import, Rows, RowsEdit, UiExt, import_row, primary, rows};
+use crate::widgets::{Cell, Import, Rows, RowsEdit, UiExt, Verdict, import_row, primary, rows};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::fixed;
@@ -206,15 +205,9 @@ impl<'a> Bench<'a> {
 }
 
 pub fn verdict_cell(ui: &Ui, passed: bool) -> Cell {
-    let palette = theme::of(ui);
-    if passed {
-        Cell::new("passed")
-            .with_icon(icons::ICON_CHECK_CIRCLE)
-            .coloured(palette.good)
-    } else {
-        Cell::new("failed")
-            .with_icon(icons::ICON_ERROR)
-            .coloured(palette.bad)
+    match passed {
+        true => Cell::verdict(ui, Verdict::Good, "passed"),
+        false => Cell::verdict(ui, Verdict::Bad, "failed"),
     }
 }
 

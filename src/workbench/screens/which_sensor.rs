@@ -158,16 +158,15 @@ fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &m
          other robots, edit the study.toml in this folder and use the command study.");
 }
 
+/// Largest value of all sliders, in their units.
+const MOST: f64 = 10.0;
+
 fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
     ui.section("Instruments");
     form("which sensor").show(ui, |ui| {
         if let Some(laser) = robot.laser {
-            optional(
-                ui,
-                "Laser",
-                (&mut question.laser_sd_m, laser.sd_m),
-                ([0.02, 10.0], 1e3, "mm"),
-            );
+            let sd_m = &mut question.laser_sd_m;
+            optional(ui, "Laser", sd_m, laser.sd_m, 0.02, "mm");
         }
         let label = ui.label("Poses");
         ui.add(Slider::new(&mut question.poses, 3..=MOST_POSES).logarithmic(true))
@@ -175,30 +174,16 @@ fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
         ui.end_row();
         if robot.home.is_some_and(|home| home.position_sd_m > 0.0) {
             let label = ui.label("Home position");
-            millimetres(
-                ui,
-                label.id,
-                &mut question.home_sd_m,
-                ([0.005, 10.0], 1e3, "mm"),
-            );
+            slider(ui, label.id, &mut question.home_sd_m, 0.005, "mm");
             ui.end_row();
         }
-        optional(
-            ui,
-            "Inclinometer",
-            (&mut question.inclinometer_sd_rad, 1e-3),
-            ([0.02, 10.0], 1e3, "mrad"),
-        );
+        let sd_rad = &mut question.inclinometer_sd_rad;
+        optional(ui, "Inclinometer", sd_rad, 1e-3, 0.02, "mrad");
     });
 }
 
 /// Optional instrument with its default description.
-fn optional(
-    ui: &mut Ui,
-    name: &str,
-    (value, usual): (&mut Option<f64>, f64),
-    unit: ([f64; 2], f64, &str),
-) {
+fn optional(ui: &mut Ui, name: &str, value: &mut Option<f64>, usual: f64, least: f64, unit: &str) {
     let mut is_there = value.is_some();
     let label = checkbox(ui, &mut is_there, name);
     match (is_there, value.is_some()) {
@@ -207,7 +192,7 @@ fn optional(
         _ => {}
     }
     match value {
-        Some(value) => millimetres(ui, label.id, value, unit),
+        Some(value) => slider(ui, label.id, value, least, unit),
         None => {
             ui.muted("none");
         }
@@ -215,19 +200,14 @@ fn optional(
     ui.end_row();
 }
 
-fn millimetres(
-    ui: &mut Ui,
-    label: egui::Id,
-    value: &mut f64,
-    ([low, high], scale, unit): ([f64; 2], f64, &str),
-) {
-    let mut shown = *value * scale;
-    let slider = Slider::new(&mut shown, low..=high)
+fn slider(ui: &mut Ui, label: egui::Id, value: &mut f64, least: f64, unit: &str) {
+    let mut shown = *value * 1e3;
+    let slider = Slider::new(&mut shown, least..=MOST)
         .logarithmic(true)
         .suffix(format!(" {unit}"));
     let slider = slider.custom_formatter(|value, _| significant(value, 2));
     if ui.add(slider).labelled_by(label).changed() {
-        *value = shown / scale;
+        *value = shown / 1e3;
     }
 }
 
@@ -275,32 +255,23 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
             .over_laser
             .iter()
             .map(|(sd, error)| (1e3 * sd, *error));
-        let figure = figure(("Laser, 1 sd", "mm"), line, at(1e3 * sd_m));
-        small::show(
-            ui,
-            "Position error over the laser",
-            &figure,
-            each,
-            Selection::default(),
-        );
+        let figure = figure("Laser, 1 sd", "mm", line, at(1e3 * sd_m));
+        let name = "Position error over the laser";
+        small::show(ui, name, &figure, each, Selection::default());
     }
     let line = answer
         .over_poses
         .iter()
         .map(|(poses, error)| (*poses as f64, *error));
-    let figure = figure(("Poses", ""), line, at(question.poses as f64));
-    small::show(
-        ui,
-        "Position error over the number of poses",
-        &figure,
-        each,
-        Selection::default(),
-    );
+    let figure = figure("Poses", "", line, at(question.poses as f64));
+    let name = "Position error over the number of poses";
+    small::show(ui, name, &figure, each, Selection::default());
 }
 
 /// Plot with logarithmic axes, with a mark at the position of the sliders.
 fn figure(
-    (label, unit): (&str, &'static str),
+    label: &str,
+    unit: &'static str,
     line: impl Iterator<Item = (f64, Option<f64>)>,
     marked: Option<(f64, f64)>,
 ) -> Figure {

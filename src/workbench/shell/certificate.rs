@@ -64,33 +64,20 @@ pub fn form(ui: &mut Ui, draft: &mut ReportDraft, robot: &Robot) {
 
 /// Temperature, its uncertainty and the expansion of the frame.
 fn conditions(ui: &mut Ui, details: &mut CertificateDetails) {
-    let mut optional =
-        |name: &str, unit: &str, decimals: usize, factor: f64, value: &mut Option<f64>| {
-            ui.label(name);
-            let shown = Number::of(name, value.map(|si| factor * si), decimals, unit, 90.0);
-            let field = shown.optional(true);
-            match ui.horizontal(|ui| number(ui, &field)).inner {
-                Some(Entered::Nothing) => *value = None,
-                Some(Entered::Value(entered)) => *value = Some(entered / factor),
-                Some(Entered::Wrong(_)) | None => {}
-            }
-            ui.end_row();
-        };
-    optional("Temperature", "°C", 1, 1.0, &mut details.temperature_c);
-    optional(
-        "Its uncertainty",
-        "K",
-        1,
-        1.0,
-        &mut details.temperature_sd_k,
-    );
-    optional(
-        "Expansion",
-        "µm/(m K)",
-        1,
-        1e6,
-        &mut details.expansion_per_k,
-    );
+    let mut optional = |name: &str, unit: &str, factor: f64, value: &mut Option<f64>| {
+        ui.label(name);
+        let shown = Number::of(name, value.map(|si| factor * si), 1, unit, 90.0);
+        let field = shown.optional(true);
+        match ui.horizontal(|ui| number(ui, &field)).inner {
+            Some(Entered::Nothing) => *value = None,
+            Some(Entered::Value(entered)) => *value = Some(entered / factor),
+            Some(Entered::Wrong(_)) | None => {}
+        }
+        ui.end_row();
+    };
+    optional("Temperature", "°C", 1.0, &mut details.temperature_c);
+    optional("Its uncertainty", "K", 1.0, &mut details.temperature_sd_k);
+    optional("Expansion", "µm/(m K)", 1e6, &mut details.expansion_per_k);
 }
 
 /// Instruments of the workshop, with a check mark for those used.

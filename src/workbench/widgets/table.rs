@@ -6,6 +6,7 @@ use egui::{Color32, Galley, Pos2, Rect, RichText, Role, ScrollArea, Sense, Ui, V
 use egui_material_icons::MaterialIcon;
 
 use super::row_ground;
+use super::text::Verdict;
 use crate::theme::{self, GRID};
 
 #[derive(Debug, Clone, Copy)]
@@ -53,6 +54,16 @@ impl Cell {
         }
     }
 
+    /// Verdict in words, with its icon and colour.
+    #[must_use]
+    pub fn verdict(ui: &Ui, verdict: Verdict, text: &str) -> Self {
+        Self {
+            icon: Some(verdict.icon()),
+            colour: Some(verdict.colour(theme::of(ui))),
+            ..Self::new(text)
+        }
+    }
+
     /// Sets a colour.
     #[must_use]
     pub fn coloured(self, colour: Color32) -> Self {
@@ -67,15 +78,6 @@ impl Cell {
     pub fn with_dot(self, colour: Color32) -> Self {
         Self {
             dot: Some(colour),
-            ..self
-        }
-    }
-
-    /// Adds an icon.
-    #[must_use]
-    pub fn with_icon(self, icon: MaterialIcon) -> Self {
-        Self {
-            icon: Some(icon),
             ..self
         }
     }

@@ -16,7 +16,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    fn icon(self) -> MaterialIcon {
+    pub(super) fn icon(self) -> MaterialIcon {
         match self {
             Self::Good => icons::ICON_CHECK_CIRCLE,
             Self::Doubtful => icons::ICON_WARNING,
@@ -35,7 +35,7 @@ impl Verdict {
         }
     }
 
-    fn colour(self, palette: &Palette) -> Color32 {
+    pub(super) fn colour(self, palette: &Palette) -> Color32 {
         match self {
             Self::Good => palette.good,
             Self::Doubtful => palette.warning,

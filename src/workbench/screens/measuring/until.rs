@@ -216,31 +216,22 @@ fn reached(ui: &mut Ui, until: &SequentialRun, known: &Assessment) {
             false => palette.accent,
         };
         let percent = |probability: f64| format!("{:.0} %", 100.0 * probability);
-        let (what, now, share, mark) = match goal {
+        let probability = |text: &str, goal: f64, now: f64| {
+            let what = format!("{text}, goal {}", percent(goal));
+            (what, percent(now), now, Some(goal))
+        };
+        let (what, now, share, mark) = match *goal {
             Goal::Accuracy(limit_m) => {
                 let sd_m = known.largest_sd_m;
                 let mm = |length_m: f64| format!("{} mm", units::mm(length_m, 2));
+                let what = format!("Accuracy of the pulleys, goal {}", mm(limit_m));
                 let now = sd_m.map_or_else(|| "not determined yet".to_owned(), mm);
                 let share = sd_m.map_or(0.0, |sd_m| limit_m / sd_m);
-                (
-                    format!("Accuracy of the pulleys, goal {}", mm(*limit_m)),
-                    now,
-                    share,
-                    None,
-                )
+                (what, now, share, None)
             }
-            Goal::Cause(goal) => {
-                let what = format!("The cause is found, goal {}", percent(*goal));
-                (what, percent(known.explained), known.explained, Some(*goal))
-            }
+            Goal::Cause(goal) => probability("The cause is found", goal, known.explained),
             Goal::FaultFree(goal) => {
-                let what = format!("The robot is free of faults, goal {}", percent(*goal));
-                (
-                    what,
-                    percent(known.fault_free()),
-                    known.fault_free(),
-                    Some(*goal),
-                )
+                probability("The robot is free of faults", goal, known.fault_free())
             }
         };
         row(ui, &what, &now);
@@ -257,10 +248,8 @@ fn causes(ui: &mut Ui, document: &UntilDocument) {
     ui.muted("Still possible:");
     let palette = theme::of(ui);
     for set in &document.sets {
-        let (what, now) = (
-            sentence(&set.causes),
-            format!("{:.0} %", 100.0 * set.probability),
-        );
+        let what = sentence(&set.causes);
+        let now = format!("{:.0} %", 100.0 * set.probability);
         row(ui, &what, &now);
         let name = format!("Probability of {}: {now}", set.causes);
         meter(ui, &name, set.probability, palette.muted, None);

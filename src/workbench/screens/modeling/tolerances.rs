@@ -138,7 +138,7 @@ fn table(ui: &mut Ui, bench: &mut Bench<'_>, in_readings: Option<&DeviationsInRe
     for part in &shown {
         let change = in_readings.map(|found| found.of_part(robot, part));
         let change = change.filter(|change| *change > 0.0);
-        row(ui, bench, part, (stated, change));
+        row(ui, bench, part, stated, change);
     }
     let kept = stated.into_iter().flat_map(|stated| stated.effects.keys());
     let kept = kept.filter(|id| shown.iter().all(|part| part.effect.id() != *id));
@@ -200,7 +200,8 @@ fn row(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
     part: &DeviatingPart,
-    (stated, change): (Option<&StatedTolerances>, Option<f64>),
+    stated: Option<&StatedTolerances>,
+    change: Option<f64>,
 ) {
     let palette = theme::of(ui);
     let (id, title) = (part.effect.id(), part.effect.title());

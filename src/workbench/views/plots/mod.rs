@@ -112,7 +112,7 @@ fn pane(
         }
     };
     match plots.figure(open, figure) {
-        Ok(figure) => plot(ui, (model, open), plots, &figure, hovered, outbox),
+        Ok(figure) => plot(ui, model, open, plots, &figure, hovered, outbox),
         Err(Unavailable::Empty(why)) => ui.empty(why),
         Err(Unavailable::Failed(why)) => failed(ui, plots, &why),
         Err(Unavailable::Unprepared) => {
@@ -131,13 +131,14 @@ fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
 
 fn plot(
     ui: &mut Ui,
-    (model, open): (&Model, &OpenSession),
+    model: &Model,
+    open: &OpenSession,
     plots: &mut PlotState,
     KnownFigure { figure, whole }: &KnownFigure,
     hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
-    bar::options(ui, (model, open), plots, figure, outbox);
+    bar::options(ui, model, open, plots, figure, outbox);
     let title = plots.kind.title;
     let id = (title, plots.copy, plots.session, plots.arrangement);
     let input = PlotInput {
