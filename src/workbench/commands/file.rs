@@ -362,14 +362,15 @@ pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
             path,
             state,
             result,
-        } => saved(model, path, state, result),
+        } => saved(model, path, state.0, state.1, result),
     }
 }
 
 fn saved(
     model: &mut Model,
     path: PathBuf,
-    (identity, revision): (u64, u64),
+    identity: u64,
+    revision: u64,
     result: Result<(), String>,
 ) {
     let is_saved = result.is_ok();

@@ -270,7 +270,8 @@ pub(super) fn receive(model: &mut Model, outcome: HypothesisOutcome) {
     match outcome {
         HypothesisOutcome::Tried { of, result } => {
             if let (Some(draft), Some(result)) = (&mut model.hypothesis.draft, result.transpose()) {
-                draft.take_preview(of, result);
+                let (text, inputs) = of;
+                draft.take_preview(text, inputs, result);
             }
         }
         HypothesisOutcome::Read(path, Ok(text)) => begin(model, text, Some(path)),

@@ -135,7 +135,8 @@ impl FitChoices {
 pub(super) fn follow(
     model: &mut Model,
     before: Option<&FitChoices>,
-    (what, adds): (&str, Option<Vec<EffectSetting>>),
+    what: &str,
+    adds: Option<Vec<EffectSetting>>,
 ) {
     let Some(open) = &model.open else {
         return;
@@ -204,7 +205,7 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
     let current = open.fit().filter(|_| open.fit_is_current()).cloned();
     let limit_s = model.diagnosis_limit_s();
     model.tasks.start(DIAGNOSING, move |task| {
-        let result = diagnosed(&session, current, (keep, limit_s), task);
+        let result = diagnosed(&session, current, keep, limit_s, task);
         IdentificationOutcome::Diagnosed { inputs, result }.into()
     });
 }
@@ -213,7 +214,8 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
 fn diagnosed(
     session: &Session,
     current: Option<Arc<Identification>>,
-    (keep, limit_s): (bool, f64),
+    keep: bool,
+    limit_s: f64,
     task: &TaskHandle,
 ) -> Result<Option<Box<DiagnosisResult>>, String> {
     let mut dataset = session.dataset();
@@ -417,7 +419,7 @@ fn take_diagnosis(open: &mut OpenSession, inputs: u64, examined: DiagnosisResult
     let findings = examined.result.diagnosed.diagnosis.findings.len();
     let (is_clean, found) = (findings == 0, count(findings, "finding"));
     let is_gross = !examined.result.diagnosed.gross().is_empty();
-    open.set_diagnosis(examined.result, (inputs, examined.effects));
+    open.set_diagnosis(examined.result, inputs, examined.effects);
     if let Some(record) = examined.record {
         open.add_result(record);
         open.log(LogPhase::Diagnosis, format!("Diagnosed: {found}."));

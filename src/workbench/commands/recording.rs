@@ -316,7 +316,7 @@ fn finish(model: &mut Model) {
         let poses = Arc::new(imported.measurements.clone());
         let count = poses.len();
         let done = format!("Imported {count} poses from {name}");
-        changed(model, (None, None), |open| {
+        changed(model, None, None, |open| {
             let again = if replaces { " again" } else { "" };
             let what = format!("import {name}{again}");
             open.edit(Edit::Import(poses, what.clone())).then_some(what)

@@ -16,6 +16,7 @@ use crate::theme::{self, GRID};
 use robot_3d::drawing::FrameLook;
 
 /// State of the views between frames.
+#[derive(Default)]
 pub struct ViewStates {
     /// Selection under the pointer, in all views.
     pub hovered: Selection,
@@ -29,27 +30,17 @@ pub struct ViewStates {
     pub manual: manual::Manual,
 }
 
-impl Default for ViewStates {
-    fn default() -> Self {
-        // Displacements are often behind the frame.
-        let transparent = || {
-            let mut view = robot_3d::Robot3d::default();
-            view.options.frame = FrameLook::Transparent;
-            view
-        };
-        Self {
-            hovered: Selection::default(),
-            robot_3d: robot_3d::Robot3d::default(),
-            compared_3d: transparent(),
-            record_3d: transparent(),
-            timeline: timeline::TimelineState::default(),
-            plots: plots::Panes::default(),
-            manual: manual::Manual::default(),
-        }
-    }
-}
-
 impl ViewStates {
+    pub fn of(plots: plots::Panes) -> Self {
+        let mut views = Self {
+            plots,
+            ..Self::default()
+        };
+        views.compared_3d.options.frame = FrameLook::Transparent;
+        views.record_3d.options.frame = FrameLook::Transparent;
+        views
+    }
+
     /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.robot_3d.destroy();

@@ -14,12 +14,10 @@ pub fn show(ui: &mut Ui, gain: &Gain) {
     if gain.poses_held_out > 0 && diagnosis::is_improvement(gain) {
         dumbbell(ui, gain);
     }
-    ui.wrapped(egui::RichText::new(first_upper(&diagnosis::gain(gain))).small())
-        .on_hover_text(kinds(gain));
-}
-
-fn first_upper(text: &str) -> String {
-    tautline_workflow::wording::sentence(text)
+    ui.wrapped(
+        egui::RichText::new(tautline_workflow::wording::sentence(&diagnosis::gain(gain))).small(),
+    )
+    .on_hover_text(kinds(gain));
 }
 
 fn kinds(gain: &Gain) -> String {

@@ -97,27 +97,13 @@ pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
     let Some(rates) = rates else {
         return;
     };
-    let channels = [
-        (
-            "Lengths",
-            rates.length_m_per_s * 1e3,
-            limits.length_m_per_s * 1e3,
-            "mm/s",
-        ),
-        (
-            "Tensions",
-            rates.tension_n_per_s,
-            limits.tension_n_per_s,
-            "N/s",
-        ),
-        (
-            "Laser",
-            rates.laser_m_per_s * 1e3,
-            limits.laser_m_per_s * 1e3,
-            "mm/s",
-        ),
+    let channels: [(&str, &str, f64, fn(&Rates) -> f64); 3] = [
+        ("Lengths", "mm/s", 1e3, |rates| rates.length_m_per_s),
+        ("Tensions", "N/s", 1.0, |rates| rates.tension_n_per_s),
+        ("Laser", "mm/s", 1e3, |rates| rates.laser_m_per_s),
     ];
-    for (name, rate, limit, unit) in channels {
+    for (name, unit, per_si, of) in channels {
+        let [rate, limit] = [rates, limits].map(|rates| of(&rates) * per_si);
         if limit <= 0.0 {
             continue;
         }

@@ -147,15 +147,9 @@ fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
 
 /// Label of a pose, as a link; returns whether it was clicked.
 fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
-    let text = if label == 0 {
-        "Home".to_owned()
-    } else {
-        label.to_string()
-    };
-    let name = if label == 0 {
-        "Home pose".to_owned()
-    } else {
-        format!("Pose {label}")
+    let (text, name) = match label {
+        0 => ("Home".to_owned(), "Home pose".to_owned()),
+        _ => (label.to_string(), format!("Pose {label}")),
     };
     let response = ui.add(egui::Button::selectable(selected, text));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, selected, &name));

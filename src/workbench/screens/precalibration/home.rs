@@ -42,7 +42,9 @@ fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     bench.import(ui, Table::Home, &mut input.path);
     let calibration = bench.calibration;
     match &calibration.home {
-        None => muted_help(ui),
+        None => {
+            ui.muted("The home pose appears here. Place the platform on its home reference, read the six distance sensors, repeatedly if possible, and import the readings or type them below.");
+        }
         Some(Err(message)) => ui.bad(&format!("{message}.")),
         Some(Ok(measured)) => {
             judge(ui, platform, measured);
@@ -60,10 +62,6 @@ fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         sensors(ui, measured);
     }
     readings(ui, bench, platform, input);
-}
-
-fn muted_help(ui: &mut Ui) {
-    ui.muted("The home pose appears here. Place the platform on its home reference, read the six distance sensors, repeatedly if possible, and import the readings or type them below.");
 }
 
 fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {

@@ -41,7 +41,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
                 panel.path = folder.display().to_string();
                 outbox.send(RecordCommand::Close);
             }
-            if icon_button(ui, icons::ICON_REFRESH, "Read again", is_read(model)).clicked() {
+            let is_read = model.record.result().is_some();
+            if icon_button(ui, icons::ICON_REFRESH, "Read again", is_read).clicked() {
                 outbox.send(RecordCommand::Open(folder.to_owned()));
             }
             let place = RichText::new(folder.display().to_string());
@@ -49,11 +50,6 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         }
         None => choose(ui, &mut panel.path, outbox),
     });
-}
-
-/// Whether reading the record has ended, with or without success.
-fn is_read(model: &Model) -> bool {
-    model.record.result().is_some()
 }
 
 fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {

@@ -340,8 +340,8 @@ impl Robot3d {
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
-                let state = (projection, can_frame, maximise);
-                aim = toolbar::show(ui, &mut self.options, scene, state);
+                let options = &mut self.options;
+                aim = toolbar::show(ui, options, scene, projection, can_frame, maximise);
             });
         // The picture begins directly below the toolbar, without a strip of another colour.
         ui.add_space(-ui.spacing().item_spacing.y);

@@ -38,7 +38,9 @@ pub fn show(
     ui: &mut Ui,
     options: &mut Options,
     scene: &Scene,
-    (projection, can_frame, maximise): (Projection, bool, Option<&mut bool>),
+    projection: Projection,
+    can_frame: bool,
+    maximise: Option<&mut bool>,
 ) -> Option<CameraRequest> {
     let besides = scene.besides;
     let mut aim = None;
