@@ -205,7 +205,7 @@ fn preview(model: &mut Model) {
     );
     if let Some(open) = model.measured() {
         let session = open.session().clone();
-        let fit = open.fit().filter(|_| open.fit_is_current()).map(Arc::clone);
+        let fit = open.current_fit().map(Arc::clone);
         model.tasks.start(TRYING, move |task| {
             let tried = try_hypothesis(&session, fit, &hypothesis, &|| task.control());
             let result = tried.map(|tried| tried.map(PreviewResult::Measured));

@@ -202,7 +202,7 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
         return;
     };
     let (session, inputs) = (open.session().clone(), open.inputs());
-    let current = open.fit().filter(|_| open.fit_is_current()).cloned();
+    let current = open.current_fit().cloned();
     let limit_s = model.diagnosis_limit_s();
     model.tasks.start(DIAGNOSING, move |task| {
         let result = diagnosed(&session, current, keep, limit_s, task);

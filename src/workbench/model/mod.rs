@@ -247,8 +247,8 @@ impl Model {
     /// Controller values, or without a connection those recorded in the session, beside the identified ones; empty
     /// without a current identification. Recomputed only after a change.
     pub fn review(&self) -> Arc<Review> {
-        let open = self.open.as_ref().filter(|open| open.fit_is_current());
-        let Some((open, fit)) = open.and_then(|open| Some((open, open.fit()?))) else {
+        let open = self.open.as_ref();
+        let Some((open, fit)) = open.and_then(|open| Some((open, open.current_fit()?))) else {
             return Arc::default();
         };
         let is_connected = self.link.is_connected();

@@ -442,6 +442,12 @@ impl OpenSession {
         self.fit.as_ref()
     }
 
+    /// The fit, if it is of the present inputs.
+    #[must_use]
+    pub fn current_fit(&self) -> Option<&Arc<Identification>> {
+        self.fit.as_ref().filter(|_| self.fit_is_current())
+    }
+
     /// Diagnosis of the present model; if there is none, the last one, which is out of date.
     #[must_use]
     pub fn diagnosis(&self) -> Option<&Arc<Diagnosed>> {

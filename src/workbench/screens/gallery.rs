@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let known = known.filter(|(of, _)| Some(of) == robot.as_ref());
     Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
         let gallery = known.and_then(|(_, result)| result.as_ref().ok());
-        head(ui, model, (panel, gallery), outbox);
+        head(ui, model, panel, gallery, outbox);
         match known.map(|(_, result)| result) {
             Some(Ok(gallery)) => contents(ui, gallery, panel, outbox),
             Some(Err(why)) => ui.bad(why),
@@ -54,7 +54,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 fn head(
     ui: &mut Ui,
     model: &Model,
-    (panel, gallery): (&mut PanelState, Option<&Arc<Gallery>>),
+    panel: &mut PanelState,
+    gallery: Option<&Arc<Gallery>>,
     outbox: &mut Outbox,
 ) {
     ui.horizontal(|ui| {

@@ -235,7 +235,7 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
                 }
                 ui.with_layout(Layout::top_down(Align::Min), |ui| {
                     let hint = folder.display().to_string();
-                    if entry(ui, (&recent.name, &facts), &recent.outline, there)
+                    if entry(ui, &recent.name, &facts, &recent.outline, there)
                         .on_hover_text(hint)
                         .clicked()
                     {
@@ -260,19 +260,14 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
             "" => sample.shows.clone(),
             facts => format!("{} {}.", sample.shows, sentence(facts)),
         };
-        if entry(ui, (&sample.title, &facts), &sample.outline, true).clicked() {
+        if entry(ui, &sample.title, &facts, &sample.outline, true).clicked() {
             outbox.send(FileCommand::Open(sample.session.clone()));
         }
     }
 }
 
 /// Entry of a session: name, small picture of its robot, and details.
-fn entry(
-    ui: &mut Ui,
-    (name, facts): (&str, &str),
-    outline: &[[i16; 4]],
-    enabled: bool,
-) -> Response {
+fn entry(ui: &mut Ui, name: &str, facts: &str, outline: &[[i16; 4]], enabled: bool) -> Response {
     let palette = theme::of(ui);
     let colour = if enabled {
         palette.accent

@@ -1,7 +1,8 @@
 //! Matrix of faults that the poses detect and that could be confused.
 
 use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, Window, vec2,
+    Align2, Color32, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Ui, WidgetInfo, Window,
+    vec2,
 };
 use tautline_workflow::isolability::{IsolabilityTable, SEEN, percent};
 
@@ -19,6 +20,18 @@ const TITLE: f32 = 36.0;
 const AROUND: f32 = 48.0;
 /// Probability of confusion below which a cell has no number.
 const NUMBERED: f64 = 0.01;
+
+/// Button that shows or hides the matrix.
+pub fn fault_button(ui: &mut Ui, is_shown: &mut bool) -> Response {
+    let button = ui.button(match is_shown {
+        true => "Hide faults",
+        false => "Show faults",
+    });
+    if button.clicked() {
+        *is_shown = !*is_shown;
+    }
+    button
+}
 
 pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     let whole = vec2(

@@ -20,7 +20,7 @@ mod text;
 pub use button::{
     checkbox, choice, entered, icon_button, icon_only, named, primary, radio, row_ground,
 };
-pub use fault_matrix::fault_window;
+pub use fault_matrix::{fault_button, fault_window};
 pub use form::{combo_box, form, name_combo_box, name_text_field, text_row};
 pub use import_row::{Import, import_row, path_field};
 pub use meter::meter;

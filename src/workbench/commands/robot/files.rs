@@ -1,7 +1,6 @@
 //! Files of phases 3 and 5.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use tautline_import::{Dialect, read_description_text};
 use tautline_link::export::{differences_csv, identified_constants};
@@ -45,7 +44,7 @@ fn content(model: &Model, export: Export) -> Option<String> {
             return (!lines.is_empty()).then(|| differences_csv(lines));
         }
         Export::StructuredText => {
-            let fit = open.fit().filter(|_| open.fit_is_current())?;
+            let fit = open.current_fit()?;
             return Some(identified_constants(&fit.model));
         }
     }
@@ -59,9 +58,9 @@ pub(super) fn ask_firmware(model: &mut Model) {
 
 /// Replaces the values in the text of a file; the file itself stays unchanged.
 pub(super) fn correct(model: &mut Model, path: &Path) {
-    let open = model.open.as_ref().filter(|open| open.fit_is_current());
-    let Some((inputs, fit)) = open.and_then(|open| Some((open.inputs(), Arc::clone(open.fit()?))))
-    else {
+    let open = model.open.as_ref();
+    let fit = open.and_then(|open| Some((open.inputs(), open.current_fit()?.clone())));
+    let Some((inputs, fit)) = fit else {
         return;
     };
     let path = path.to_owned();

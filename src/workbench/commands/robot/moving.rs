@@ -8,7 +8,7 @@ use crate::model::{Model, OpenSession, UiRequest};
 
 /// Model that predicts the readings: the identified one if it is current, otherwise the description.
 pub(super) fn reference(open: &OpenSession) -> Robot {
-    match open.fit().filter(|_| open.fit_is_current()) {
+    match open.current_fit() {
         Some(fit) => fit.model.clone(),
         None => open.session().robot.clone(),
     }

@@ -22,7 +22,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         let go = Remedy::go(Phase::Measuring, "Identification needs measured poses.");
         return NextStep::new(status, go);
     }
-    let Some(fit) = open.fit().filter(|_| open.fit_is_current()) else {
+    let Some(fit) = open.current_fit() else {
         let then = "Then: check whether the model explains the readings.";
         return NextStep::new(status, identify(then));
     };
@@ -64,7 +64,7 @@ pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Problem> {
         .collect();
     let written = foreign_writes::sentences(open.session()).into_iter();
     problems.extend(written.map(|text| Problem::new(text, measure_again(Vec::new()))));
-    if let Some(fit) = open.fit().filter(|_| open.fit_is_current()) {
+    if let Some(fit) = open.current_fit() {
         problems.extend(of_fit(model, open, fit));
     }
     problems
@@ -79,7 +79,7 @@ pub fn checked<'m>(
     let whole = model.identification.readiness.as_ref();
     let whole = whole.filter(|(of, _)| *of == open.inputs());
     let items = whole.map_or(open.checked_readings(), |(_, found)| &found.checks);
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let is_explained =
         fit.is_some_and(|fit| FitVerdict::of(fit.solution.p_value()) == FitVerdict::Adequate);
     let problem = |item: &CheckItem| {

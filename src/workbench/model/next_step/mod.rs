@@ -176,7 +176,7 @@ pub fn problems(model: &Model, phase: Phase) -> Vec<Problem> {
 /// State of a phase; for the identification, with the number of poses.
 fn status(model: &Model, open: &OpenSession, phase: Phase) -> PhaseStatus {
     let status = phase_status::of(model, open, phase);
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let (Phase::Identification, Some(fit)) = (phase, fit) else {
         return status;
     };

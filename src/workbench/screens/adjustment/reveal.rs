@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut Ui, open: &OpenSession, outbox: &mut Outbox) {
         }
         return;
     }
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let model = fit.map(|fit| &fit.model);
     for hidden in &simulator.truth.effects {
         effect(ui, &session.robot, hidden, model);

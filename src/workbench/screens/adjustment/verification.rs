@@ -142,7 +142,7 @@ pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is
 
 fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
     let session = open.session();
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let key = (open.id(), open.revision(), fit.is_some());
     panel.figures.get(key, || {
         let runs = session.verifications().iter();

@@ -65,7 +65,7 @@ fn row(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &
     match model.comparison.source(side) {
         Some(source) => {
             let path = &mut panel.paths[side as usize];
-            chosen(ui, model, path, (side, source), outbox);
+            chosen(ui, model, path, side, source, outbox);
         }
         None => choose(ui, model, panel, side, outbox),
     }
@@ -75,7 +75,8 @@ fn chosen(
     ui: &mut Ui,
     model: &Model,
     path: &mut String,
-    (side, source): (Side, &SessionSource),
+    side: Side,
+    source: &SessionSource,
     outbox: &mut Outbox,
 ) {
     if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {

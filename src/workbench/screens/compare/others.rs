@@ -40,7 +40,8 @@ const SIDE_BY_SIDE: [TableColumn<'_>; 5] = [
 fn side_by_side(
     ui: &Ui,
     compared: &Comparison,
-    (name, unit): (String, &str),
+    name: String,
+    unit: &str,
     scalar: &ScalarDifference,
 ) -> Vec<Cell> {
     let value = |value: Option<f64>| match value {
@@ -69,7 +70,7 @@ fn effects(ui: &mut Ui, compared: &Comparison) {
             _ => format!("{}: {}", sentence(&effect_name(effect)), effect.parameter),
         };
         let unit = unit_of(&effect.parameter, &effect.unit);
-        side_by_side(ui, compared, (name, unit), &effect.size)
+        side_by_side(ui, compared, name, unit, &effect.size)
     });
     let rows: Vec<_> = rows.collect();
     table(ui, &SIDE_BY_SIDE, &rows, None);
@@ -80,7 +81,7 @@ fn plane(ui: &mut Ui, compared: &Comparison) {
         return;
     };
     ui.section("Target plane of the laser");
-    let row = side_by_side(ui, compared, ("Offset".to_owned(), "m"), plane);
+    let row = side_by_side(ui, compared, "Offset".to_owned(), "m", plane);
     table(ui, &SIDE_BY_SIDE, &[row], None);
 }
 

@@ -27,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &m
             .id_salt(("text", draft.number))
             .max_height(room.max(120.0))
             .auto_shrink(false)
-            .show(ui, |ui| text(ui, draft, (label.id, error), outbox));
+            .show(ui, |ui| text(ui, draft, label.id, error, outbox));
     });
     ui.add_space(GRID);
     match error {
@@ -43,7 +43,8 @@ pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &m
 fn text(
     ui: &mut Ui,
     draft: &HypothesisDraft,
-    (label, error): (egui::Id, Option<&HypothesisError>),
+    label: egui::Id,
+    error: Option<&HypothesisError>,
     outbox: &mut Outbox,
 ) {
     let font = TextStyle::Monospace.resolve(ui.style());

@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
         match draft.preview.as_ref().map(|preview| &preview.result) {
             None => {}
             Some(Err(why)) => ui.doubtful(why),
-            Some(Ok(PreviewResult::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
+            Some(Ok(PreviewResult::Measured(trial))) => measured(ui, model, draft, trial, outbox),
             Some(Ok(PreviewResult::Simulated(signature))) => {
                 simulated(ui, model, signature, outbox);
             }
@@ -66,7 +66,8 @@ fn vocabulary(ui: &mut Ui, is_open: bool) {
 
 fn measured(
     ui: &mut Ui,
-    (model, draft): (&Model, &HypothesisDraft),
+    model: &Model,
+    draft: &HypothesisDraft,
     trial: &Trial,
     outbox: &mut Outbox,
 ) {

@@ -9,7 +9,7 @@ use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE};
 use super::Panel;
 use crate::model::command::{IdentificationCommand, READINESS, Readiness, RecordingCommand};
 use crate::model::next_step::{Problem, checked};
-use crate::widgets::{UiExt, Verdict, fault_window};
+use crate::widgets::{UiExt, Verdict, fault_button, fault_window};
 
 /// Number of warnings of the measuring run that are listed without expanding.
 const WARNINGS_SHOWN: usize = 3;
@@ -110,13 +110,6 @@ fn faults(ui: &mut Ui, found: &Readiness, is_shown: &mut bool) {
     let Some(table) = &found.faults else {
         return;
     };
-    let name = if *is_shown {
-        "Hide faults"
-    } else {
-        "Show faults"
-    };
-    if ui.button(name).clicked() {
-        *is_shown = !*is_shown;
-    }
+    fault_button(ui, is_shown);
     fault_window(ui, table, is_shown);
 }

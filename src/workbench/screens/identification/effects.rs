@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.label(effects_title(robot, std::slice::from_ref(setting)));
         ui.muted("held at the value in the robot description");
     }
-    let fit = panel.open.fit().filter(|_| panel.open.fit_is_current());
+    let fit = panel.open.current_fit();
     for group in added.chunk_by(|one, other| one.effect == other.effect) {
         let title = effects_title(robot, group);
         ui.horizontal(|ui| {

@@ -24,7 +24,8 @@ struct Threshold {
 impl Threshold {
     const fn new(
         name: &'static str,
-        (unit, scale): (&'static str, f64),
+        unit: &'static str,
+        scale: f64,
         range: [f64; 2],
         of: fn(&mut Rest) -> &mut f64,
     ) -> Self {
@@ -39,16 +40,16 @@ impl Threshold {
 }
 
 const THRESHOLDS: [Threshold; 4] = [
-    Threshold::new("Shortest rest", ("s", 1.0), [0.05, 20.0], |rest| {
+    Threshold::new("Shortest rest", "s", 1.0, [0.05, 20.0], |rest| {
         &mut rest.minimum_s
     }),
-    Threshold::new("Settling time", ("s", 1.0), [0.0, 5.0], |rest| {
+    Threshold::new("Settling time", "s", 1.0, [0.0, 5.0], |rest| {
         &mut rest.settle_s
     }),
-    Threshold::new("Fastest motion", ("mm/s", 1e3), [0.05, 50.0], |rest| {
+    Threshold::new("Fastest motion", "mm/s", 1e3, [0.05, 50.0], |rest| {
         &mut rest.speed_m_s
     }),
-    Threshold::new("Fastest rotation", ("°/s", DEGREES), [0.01, 10.0], |rest| {
+    Threshold::new("Fastest rotation", "°/s", DEGREES, [0.01, 10.0], |rest| {
         &mut rest.turn_rad_s
     }),
 ];

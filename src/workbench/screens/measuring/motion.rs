@@ -42,7 +42,7 @@ pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     }
     ui.section("Tensions");
     for (k, tension_n) in read {
-        bar(ui, (k, name_of(model, k)), tension_n, range);
+        bar(ui, k, name_of(model, k), tension_n, range);
     }
     ui.muted(&format!(
         "Allowed: {} to {} N (marks).",
@@ -51,7 +51,7 @@ pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     ));
 }
 
-fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {
+fn bar(ui: &mut Ui, cable: usize, name: &str, tension_n: f64, range: TensionRange) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -75,20 +75,11 @@ fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: Tension
     let painter = ui.painter();
     let label = cable_label(cable, name);
     let middle = rect.center().y;
-    painter.text(
-        rect.left_center(),
-        Align2::LEFT_CENTER,
-        label,
-        font.clone(),
-        palette.text,
-    );
-    painter.text(
-        rect.right_center(),
-        Align2::RIGHT_CENTER,
-        words,
-        font,
-        colour,
-    );
+    let text = |at: egui::Pos2, align: Align2, text: String, colour| {
+        painter.text(at, align, text, font.clone(), colour);
+    };
+    text(rect.left_center(), Align2::LEFT_CENTER, label, palette.text);
+    text(rect.right_center(), Align2::RIGHT_CENTER, words, colour);
     let left = rect.left() + 18.0 * GRID;
     let width = (rect.right() - 28.0 * GRID - left).max(8.0 * GRID);
     let x = |tension_n: f64| {

@@ -11,7 +11,7 @@ use crate::model::command::EXPECTING;
 use crate::model::{Model, Selection};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{UiExt, Verdict, fault_window};
+use crate::widgets::{UiExt, Verdict, fault_button, fault_window};
 use tautline_workflow::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
@@ -59,7 +59,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         faults(ui, table, &mut panel.shows_faults);
     }
     goal(ui, &mut panel.goal_mm);
-    course(ui, outlook, (done, panel.goal_mm));
+    course(ui, outlook, done, panel.goal_mm);
     enough(ui, outlook, panel.goal_mm, done);
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
 }
@@ -67,20 +67,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
 /// Summary of the detectable faults, and their matrix in a separate window.
 fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     ui.horizontal(|ui| {
-        let name = if *is_shown {
-            "Hide faults"
-        } else {
-            "Show faults"
-        };
-        let button = ui.button(name);
-        if button.on_hover_text(table.summary()).clicked() {
-            *is_shown = !*is_shown;
-        }
-        let seen = table
-            .kinds
-            .iter()
-            .filter(|kind| kind.detection[0] >= SEEN)
-            .count();
+        fault_button(ui, is_shown).on_hover_text(table.summary());
+        let seen = table.kinds.iter().filter(|kind| kind.detection[0] >= SEEN);
+        let seen = seen.count();
         ui.muted(&format!(
             "{seen} of {} kinds of fault would be seen",
             table.kinds.len()
@@ -133,8 +122,8 @@ fn goal(ui: &mut Ui, goal_mm: &mut f64) {
 const MARKED: usize = 60;
 
 /// Predicted standard deviation over the number of poses: for the whole plan, and for the poses measured so far.
-fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
-    let figure = course_figure(&outlook.after_m, (done, goal_mm));
+fn course(ui: &mut Ui, outlook: &PlanSummary, done: usize, goal_mm: f64) {
+    let figure = course_figure(&outlook.after_m, done, goal_mm);
     if figure.curves.iter().all(|curve| curve.points.len() < 2) {
         return;
     }
@@ -142,7 +131,7 @@ fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
     small::show(ui, name, &figure, 34.0 * GRID, Selection::default());
 }
 
-fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figure {
+fn course_figure(after_m: &[Option<f64>], done: usize, goal_mm: f64) -> Figure {
     let known = after_m.iter().enumerate();
     let known = known.filter_map(|(poses, sd_m)| Some((poses, sd_m.filter(|sd| *sd > 0.0)?)));
     let known: Vec<(usize, f64)> = known
@@ -236,7 +225,7 @@ mod tests {
     fn the_measured_part_of_the_curve_grows_with_the_poses() {
         let after_m = [None, Some(8e-3), Some(4e-3), Some(2e-3), Some(1e-3)];
         for done in 0..=4 {
-            let figure = course_figure(&after_m, (done, 2.0));
+            let figure = course_figure(&after_m, done, 2.0);
             assert_eq!(figure.series[0].points().len(), done);
             assert_eq!(figure.curves[0].points.len(), 4);
             assert_eq!(
@@ -245,7 +234,7 @@ mod tests {
             );
         }
         let many: Vec<_> = (1..=10_000).map(|k| Some(1.0 / f64::from(k))).collect();
-        let figure = course_figure(&many, (7001, 2.0));
+        let figure = course_figure(&many, 7001, 2.0);
         let [points, line] = [
             figure.series[0].points().len(),
             figure.curves[0].points.len(),
@@ -256,7 +245,7 @@ mod tests {
         );
         assert_eq!(figure.series[0].points().last().map(|p| p.x), Some(7001.0));
         assert_eq!(figure.curves[0].points.last().map(|p| p[0]), Some(9999.0));
-        let all = course_figure(&after_m, (4, 2.0));
+        let all = course_figure(&after_m, 4, 2.0);
         let last = all.series[0].points()[3];
         assert!(
             (last.x - 4.0).abs() + last.y.abs() < 1e-12,

@@ -98,8 +98,8 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
 fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     let (p, r) = (measured.fix.position_sd_m, measured.fix.orientation_sd_rad);
     let sd = [p[0], p[1], p[2], r[0], r[1], r[2]];
-    let new = ("Measured", &measured.fix.platform_in_base, sd);
-    pose_table(ui, bench.robot().home, new, Some(measured.repeatability));
+    let (new, repeated) = (&measured.fix.platform_in_base, measured.repeatability);
+    pose_table(ui, bench.robot().home, "Measured", new, sd, Some(repeated));
     if measured.repeatability.is_none() {
         ui.muted("Repeatability needs the same number of readings of all six sensors, at least two each.");
     }
@@ -109,7 +109,9 @@ fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
 pub(super) fn pose_table(
     ui: &mut Ui,
     now: Option<Home>,
-    (title, new, sd): (&str, &Pose, [f64; 6]),
+    title: &str,
+    new: &Pose,
+    sd: [f64; 6],
     repeated: Option<Option<[f64; 6]>>,
 ) {
     let titles = ["Current", title, "±"].into_iter();

@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, bench: &Bench<'_>, platform: &HomePlatform) {
         } else {
             palette.warning
         };
-        beam(ui, (view.at(origin), view.at(hit)), k + 1, colour);
+        beam(ui, [view.at(origin), view.at(hit)], k + 1, colour);
     }
     let hover = "Numbered circles: sensors on the reference. Lines: their beams. Faces: planes of the platform. Arrows: x, y and z of the platform.";
     response.on_hover_text(hover);
@@ -192,7 +192,7 @@ fn axes(ui: &Ui, view: &View, pose: &Pose) {
     }
 }
 
-fn beam(ui: &Ui, (from, to): (Pos2, Pos2), number: usize, colour: Color32) {
+fn beam(ui: &Ui, [from, to]: [Pos2; 2], number: usize, colour: Color32) {
     let palette = theme::of(ui);
     let painter = ui.painter();
     painter.line_segment([from, to], Stroke::new(1.5, colour));

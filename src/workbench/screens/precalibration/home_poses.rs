@@ -159,8 +159,7 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
         }
     }
     let sd = std::array::from_fn(|k| average.covariance[(k, k)].sqrt());
-    let mean = ("Mean", &average.pose, sd);
-    pose_table(ui, bench.robot().home, mean, None);
+    pose_table(ui, bench.robot().home, "Mean", &average.pose, sd, None);
     bench.propose(
         ui,
         &calibration.with_home,

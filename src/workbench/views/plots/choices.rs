@@ -92,7 +92,8 @@ impl VariableChoice {
 /// Choice from several options, side by side or as a menu in a narrow plot.
 pub(super) fn choose<T: Copy + PartialEq>(
     ui: &mut Ui,
-    (name, is_narrow): (&str, bool),
+    name: &str,
+    is_narrow: bool,
     all: &[(T, &str)],
     chosen: &mut T,
 ) {
@@ -111,13 +112,14 @@ pub(super) fn choose<T: Copy + PartialEq>(
 }
 
 pub(super) fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
-    combo_within(ui, (name, None), selected, add);
+    combo_within(ui, name, None, selected, add);
 }
 
 /// Menu of its natural or a given width, clipped to the available space.
 pub(super) fn combo_within(
     ui: &mut Ui,
-    (name, width): (&str, Option<f32>),
+    name: &str,
+    width: Option<f32>,
     selected: &str,
     add: impl FnOnce(&mut Ui),
 ) {

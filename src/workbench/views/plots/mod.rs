@@ -105,7 +105,7 @@ fn pane(
             return match ((plots.kind.missing)(open), open.fit()) {
                 (None, Some(fit)) => {
                     let state = &mut plots.statistics;
-                    statistics::show(ui, fit, state, (model.selection, hovered), outbox);
+                    statistics::show(ui, fit, state, model.selection, hovered, outbox);
                 }
                 (why, _) => ui.empty(why.unwrap_or_default()),
             };

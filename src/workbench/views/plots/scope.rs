@@ -89,7 +89,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let room = ui.available_size() - vec2(0.0, 6.0 * GRID);
     let cell = vec2(room.x / 2.0, room.y / rows);
     let fits_all = cell.x >= LEAST.x && cell.y >= LEAST.y;
-    head(ui, model, (fits_all, graphs), &mut state.chosen);
+    head(ui, model, fits_all, graphs, &mut state.chosen);
     let shown = match (fits_all, cell.x >= LEAST.x) {
         (true, _) => Graph::ALL.to_vec(),
         // The rates are always visible if there is room for two.
@@ -128,7 +128,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
 }
 
 /// Current operation, and the choice of a graph if there is no room for all.
-fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[ScopeGraph]), chosen: &mut Graph) {
+fn head(ui: &mut Ui, model: &Model, fits_all: bool, graphs: &[ScopeGraph], chosen: &mut Graph) {
     ui.horizontal(|ui| {
         if !fits_all {
             for ScopeGraph { graph, .. } in graphs {

@@ -53,7 +53,7 @@ pub(crate) fn grid(
     may_lack: bool,
 ) -> Option<Edited> {
     focused.take_if(|(row, _)| *row >= table.names.len());
-    let mut edited = focused.and_then(|cell| paste(ui, table, cell, may_lack));
+    let mut edited = focused.and_then(|cell| paste(ui, table, cell.into(), may_lack));
     *focused = None;
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing = Vec2::new(2.0 * GRID, 0.0);
@@ -250,7 +250,7 @@ fn cell(
 }
 
 /// Handles a pasted block of cells before the text field of the focused cell receives it.
-fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> Option<Edited> {
+fn paste(ui: &Ui, table: &CableTable, [row, column]: [usize; 2], may_lack: bool) -> Option<Edited> {
     let mut pasted = None;
     ui.input_mut(|input| {
         input.events.retain_mut(|event| match event {
@@ -262,7 +262,7 @@ fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> O
         });
     });
     let mut table = table.clone();
-    let done = table.paste(cell, &pasted?, may_lack);
+    let done = table.paste(row, column, &pasted?, may_lack);
     Some(done.map(|cells| (table, format!("paste {}", count(cells, "cell")))))
 }
 

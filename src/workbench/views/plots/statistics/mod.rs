@@ -56,7 +56,8 @@ pub(super) fn show(
     ui: &mut Ui,
     fit: &Arc<Identification>,
     state: &mut Statistics,
-    (selection, hovered): (Selection, &mut Selection),
+    selection: Selection,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let of = ListingKey {
@@ -69,9 +70,9 @@ pub(super) fn show(
     let key = (of.clone(), order, filter.clone());
     let shown = state.shown.get(key, || arranged(rows, order, &filter));
     let bar = ui.spacing().scroll.allocated_width();
-    let room = (ui.available_width() - bar, ui.spacing().item_spacing.x);
+    let (room, space) = (ui.available_width() - bar, ui.spacing().item_spacing.x);
     let from = &mut state.from[of.listed as usize];
-    let seen = VisibleColumns::of(heads, of.listed.names(), *from, room);
+    let seen = VisibleColumns::of(heads, of.listed.names(), *from, room, space);
     let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
         listed(ui, &mut state.listed);
@@ -91,14 +92,13 @@ pub(super) fn show(
         });
     });
     let order = &mut state.orders[of.listed as usize];
-    table(
-        ui,
-        (heads, &seen),
-        (rows, shown),
-        order,
-        (selection, hovered),
-        outbox,
-    );
+    let content = TableContent {
+        heads,
+        columns: &seen,
+        rows,
+        shown,
+    };
+    table(ui, &content, order, selection, hovered, outbox);
 }
 
 /// Buttons that page through the columns.
@@ -134,14 +134,28 @@ fn number_of(shown: usize, all: usize) -> String {
     }
 }
 
+/// What the table shows: its visible columns, and the rows that are left by the filter, in their order.
+struct TableContent<'a> {
+    heads: &'a [Head],
+    columns: &'a VisibleColumns,
+    rows: &'a [StatisticsRow],
+    shown: &'a [usize],
+}
+
 fn table(
     ui: &mut Ui,
-    (heads, seen): (&[Head], &VisibleColumns),
-    (rows, shown): (&[StatisticsRow], &[usize]),
+    content: &TableContent<'_>,
     order: &mut Option<Order>,
-    (selection, hovered): (Selection, &mut Selection),
+    selection: Selection,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
+    let TableContent {
+        heads,
+        columns: seen,
+        rows,
+        shown,
+    } = *content;
     let palette = theme::of(ui);
     let id = ui.scope_id().with(("statistics", heads.len()));
     let mut table = TableBuilder::new(ui)
