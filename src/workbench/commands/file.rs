@@ -211,12 +211,13 @@ fn save(model: &mut Model, path: PathBuf) {
         return;
     };
     let session = open.session().clone();
-    let state = (open.id(), open.revision());
+    let (identity, revision) = (open.id(), open.revision());
     model.tasks.start(SAVING, move |_| {
         let result = write_session(&path, &session).map_err(|error| error.to_string());
         Outcome::File(FileOutcome::Saved {
             path,
-            state,
+            identity,
+            revision,
             result,
         })
     });
@@ -360,9 +361,10 @@ pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
         FileOutcome::UnsavedSessions(Ok(left)) => model.unsaved_sessions = left,
         FileOutcome::Saved {
             path,
-            state,
+            identity,
+            revision,
             result,
-        } => saved(model, path, state.0, state.1, result),
+        } => saved(model, path, identity, revision, result),
     }
 }
 

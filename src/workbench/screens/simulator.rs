@@ -38,22 +38,14 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         ui.add_space(2.0 * GRID);
         let session = model.open.as_ref().map(OpenSession::id);
         let of_session = |one: &&SimulatorComparison| Some(one.session) == session;
-        match model
-            .comparison
-            .simulator
-            .as_ref()
-            .filter(of_session)
-            .map(|one| (&one.file, &one.result))
-        {
+        let compared = model.comparison.simulator.as_ref().filter(of_session);
+        match compared.map(|one| (&one.file, &one.result)) {
             Some((file, Ok(replay))) => {
                 let document = replay.document();
                 ui.muted(&format!("{file}: {} poses", document.poses));
                 readings(ui, &document.readings);
-                for reading in document
-                    .readings
-                    .iter()
-                    .filter(|one| !one.causes.is_empty())
-                {
+                let read = document.readings.iter();
+                for reading in read.filter(|one| !one.causes.is_empty()) {
                     ui.label(reading.explained());
                 }
                 for text in document.sentences() {

@@ -125,12 +125,8 @@ fn elsewhere(ui: &mut Ui, state: &mut AppState) {
 /// Question about the unsaved text of a hypothesis.
 fn unsaved_hypothesis(ui: &mut Ui, state: &mut AppState) {
     let AppState { model, outbox, .. } = state;
-    let Some(draft) = model
-        .hypothesis
-        .draft
-        .as_ref()
-        .filter(|_| model.hypothesis.asking.is_some())
-    else {
+    let draft = model.hypothesis.draft.as_ref();
+    let Some(draft) = draft.filter(|_| model.hypothesis.asking.is_some()) else {
         return;
     };
     let into_session = draft.checked().is_ok() && model.open.is_some();

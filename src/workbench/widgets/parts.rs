@@ -35,14 +35,8 @@ fn row(ui: &mut Ui, title: &str, standing: &PhaseStatus, selected: bool) -> bool
     let builder = UiBuilder::new().max_rect(inside).layout(layout);
     let mut line = ui.new_child(builder);
     let colour = palette.progress(standing.progress);
-    line.label(
-        standing
-            .progress
-            .icon()
-            .rich_text()
-            .size(16.0)
-            .color(colour),
-    );
+    let icon = standing.progress.icon().rich_text().size(16.0);
+    line.label(icon.color(colour));
     line.label(RichText::new(title).font(theme::strong(13.0)));
     line.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let line = RichText::new(&standing.line).small().color(palette.muted);

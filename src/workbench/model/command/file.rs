@@ -105,8 +105,9 @@ pub enum FileOutcome {
     UnsavedSessions(Result<Vec<UnsavedSession>, String>),
     Saved {
         path: PathBuf,
-        /// Id of the session and the revision that was written.
-        state: (u64, u64),
+        /// Number of the session.
+        identity: u64,
+        revision: u64,
         /// Nothing, or an error message.
         result: Result<(), String>,
     },

@@ -30,11 +30,8 @@ pub(super) fn show(ui: &mut Ui, open: &OpenSession, outbox: &mut Outbox) {
     }
     let added = model.map_or(&[][..], |model| &model.effects);
     for extra in added {
-        let real = simulator
-            .truth
-            .effects
-            .iter()
-            .any(|hidden| same(hidden, extra));
+        let mut hidden = simulator.truth.effects.iter();
+        let real = hidden.any(|hidden| same(hidden, extra));
         if !real && !session.robot.effects.contains(extra) {
             ui.doubtful(&format!(
                 "In the model but not in the robot: {}",

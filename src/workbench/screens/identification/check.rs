@@ -30,13 +30,8 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
     warnings(ui, open.session());
     let inputs = open.inputs();
-    match panel
-        .model
-        .identification
-        .readiness
-        .as_ref()
-        .filter(|(of, _)| *of == inputs)
-    {
+    let readiness = panel.model.identification.readiness.as_ref();
+    match readiness.filter(|(of, _)| *of == inputs) {
         Some((_, found)) => faults(ui, found, &mut panel.memory.shows_faults),
         None if panel.model.tasks.runs(READINESS) => {
             ui.busy("Checking what the readings determine and which faults they would show.");

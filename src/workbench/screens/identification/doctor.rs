@@ -14,13 +14,8 @@ use tautline_workflow::wording::{p_value, sentence};
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.muted("Tests which known faults of cables, pulleys, winches and sensors explain the residuals, and validates each on held-out poses.");
-    let has_effects = !panel
-        .open
-        .session()
-        .settings
-        .identification
-        .effects
-        .is_empty();
+    let settings = &panel.open.session().settings.identification;
+    let has_effects = !settings.effects.is_empty();
     if let Some(fit) = panel
         .open
         .fit()
@@ -29,13 +24,8 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         results::adequacy(ui, panel, fit);
     }
     ui.add_space(GRID);
-    let task = panel
-        .model
-        .tasks
-        .running()
-        .iter()
-        .find(|task| task.title == DIAGNOSING);
-    if let Some(task) = task {
+    let mut running = panel.model.tasks.running().iter();
+    if let Some(task) = running.find(|task| task.title == DIAGNOSING) {
         ui.horizontal(|ui| {
             ui.spinner();
             let text = sentence(&task.progress().text);

@@ -144,13 +144,8 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
     heads(ui, &shares, &titles);
     for (index, cable) in panel.open.session().robot.cables.iter().enumerate() {
         let nominal = Vector3::from(cable.pulley.entry_point_m);
-        let Some(found) = fit
-            .solution
-            .globals
-            .entry_points
-            .get(index)
-            .map(|p| Vector3::from(*p))
-        else {
+        let entry_points = &fit.solution.globals.entry_points;
+        let Some(found) = entry_points.get(index).map(|p| Vector3::from(*p)) else {
             return;
         };
         let (size, sd) = moved(&fit.solution, index, found - nominal);
@@ -239,11 +234,8 @@ fn others(ui: &mut Ui, fit: &Identification) {
     let plane = robot
         .laser
         .map(|laser| globals.plane_offset_m - laser.target_plane.offset_m);
-    let lines: Vec<(String, String)> = fit
-        .solution
-        .parameters
-        .iter()
-        .enumerate()
+    let parameters = fit.solution.parameters.iter().enumerate();
+    let lines: Vec<(String, String)> = parameters
         .filter_map(|(index, parameter)| {
             let change = match parameter.id {
                 ParameterId::Home(coordinate) => home?[coordinate.index()],

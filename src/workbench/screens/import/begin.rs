@@ -34,12 +34,8 @@ fn file(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
 }
 
 fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    let files: Vec<&str> = model
-        .importing
-        .waiting
-        .iter()
-        .map(|source| source.file.as_str())
-        .collect();
+    let waiting = model.importing.waiting.iter();
+    let files: Vec<&str> = waiting.map(|source| source.file.as_str()).collect();
     if files.is_empty() {
         file(ui, panel, outbox);
     } else {

@@ -32,13 +32,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         Ok(_) if suggestions.is_empty() => readings(ui, &cut.checks),
         Ok(_) => {}
     }
-    let mut notices: Vec<&str> = bench
-        .open
-        .draft
-        .assumptions()
-        .iter()
-        .map(String::as_str)
-        .collect();
+    let assumptions = bench.open.draft.assumptions().iter();
+    let mut notices: Vec<&str> = assumptions.map(String::as_str).collect();
     if let Ok(imported) = &cut.result {
         notices.extend(imported.document.notices.iter().map(String::as_str));
     }

@@ -127,11 +127,8 @@ fn instruments(ui: &mut Ui, model: &Model) {
 fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.section("Poses to measure");
     until::settings(ui, model, &mut panel.until, outbox);
-    if model
-        .open
-        .as_ref()
-        .is_some_and(OpenSession::decides_on_poses)
-    {
+    let open = model.open.as_ref();
+    if open.is_some_and(OpenSession::decides_on_poses) {
         return;
     }
     let planning = model.tasks.runs(PLANNING);
@@ -155,10 +152,7 @@ fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox)
         if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import plan…", free).clicked() {
             outbox.send(FileCommand::AskOpen);
         }
-        let planned = model
-            .open
-            .as_ref()
-            .is_some_and(|d| !d.session().plan.is_empty());
+        let planned = open.is_some_and(|open| !open.session().plan.is_empty());
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export plan…", planned).clicked() {
             outbox.send(RobotCommand::AskExport(Export::Plan));
         }

@@ -112,18 +112,13 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         if skip.clicked() {
             outbox.send(LinkRequest::Skip);
         }
-        let last = model.link.run.as_ref().and_then(|run| run.last_measured());
+        let last = run.last_measured();
         let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());
         if let Some(label) = last.filter(|_| repeat.clicked()) {
             outbox.send(RobotCommand::Repeat(label));
         }
     });
-    if let Some(reason) = model
-        .link
-        .run
-        .as_ref()
-        .and_then(|run| run.paused.as_deref())
-    {
+    if let Some(reason) = &run.paused {
         let kind = if reason.contains("operator") {
             Verdict::Neutral
         } else {

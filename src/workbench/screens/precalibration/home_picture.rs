@@ -32,11 +32,8 @@ pub fn show(ui: &mut Ui, bench: &Bench<'_>, platform: &HomePlatform) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
     let palette = theme::of(ui);
     ui.painter().rect_filled(rect, 4.0, palette.ground);
-    let measured = bench
-        .calibration
-        .home
-        .as_ref()
-        .and_then(|r| r.as_ref().ok());
+    let measured = bench.calibration.home.as_ref();
+    let measured = measured.and_then(|home| home.as_ref().ok());
     let pose = measured.map_or_else(
         || home_start_in_reference(bench.robot(), platform),
         |home| home.fix.platform_in_reference,

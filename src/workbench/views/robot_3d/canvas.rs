@@ -52,7 +52,7 @@ impl Canvas {
         ui: &Ui,
         rect: Rect,
         drawing: &Arc<Drawing>,
-        (number, moves): (u64, bool),
+        moves: bool,
         picture: &Picture<'_>,
         hovered: Selection,
     ) {
@@ -67,7 +67,7 @@ impl Canvas {
             return;
         }
         let scale = ui.pixels_per_point();
-        painter.add(self.callback(rect, drawing, (number, moves), picture.camera, scale));
+        painter.add(self.callback(rect, drawing, moves, picture.camera, scale));
         let overlay = Overlay {
             painter: &painter,
             rect,
@@ -81,7 +81,7 @@ impl Canvas {
         &self,
         rect: Rect,
         drawing: &Arc<Drawing>,
-        (number, moves): (u64, bool),
+        moves: bool,
         camera: &Camera,
         scale: f32,
     ) -> egui::PaintCallback {
@@ -98,7 +98,7 @@ impl Canvas {
                 part(info.clip_rect_in_pixels()),
             );
             let key = PictureKey {
-                drawing: number,
+                drawing: drawing.number,
                 camera,
                 size: [place.width, place.height].map(|side| side.max(1).unsigned_abs()),
                 scale,

@@ -91,11 +91,8 @@ pub fn pulleys(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
 /// Boxes along the arrows of displacements (points).
 fn arrows(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
     let magnification = picture.options.exaggeration_of(picture.scene);
-    let cables = picture
-        .scene
-        .cables
-        .iter()
-        .filter(|_| picture.options.arrows);
+    let cables = picture.scene.cables.iter();
+    let cables = cables.filter(|_| picture.options.arrows);
     let moved = cables.filter_map(|cable| cable.moved.as_ref());
     let along = moved.flat_map(|moved| {
         let place = |k: u8| moved.from + moved.by * (magnification * f64::from(k) / 8.0);

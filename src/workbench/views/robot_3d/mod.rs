@@ -194,8 +194,11 @@ impl Robot3d {
             Arc::default()
         };
         let options = &self.options;
-        let drawing = Arc::new(Drawing::with_poses(poses, scene, options, selection, theme));
         self.drawings += 1;
+        let drawing = Arc::new(Drawing {
+            number: self.drawings,
+            ..Drawing::with_poses(poses, scene, options, selection, theme)
+        });
         self.drawing = Some((Arc::clone(scene), key, Arc::clone(&drawing)));
         drawing
     }
@@ -388,14 +391,9 @@ impl Robot3d {
         };
         let thing = canvas::under_pointer(&response, &picture);
         let found = canvas::found_pulley(&response, &picture);
-        self.canvas.paint(
-            ui,
-            rect,
-            &drawing,
-            (self.drawings, left_s.is_some()),
-            &picture,
-            *hovered,
-        );
+        let moves = left_s.is_some();
+        self.canvas
+            .paint(ui, rect, &drawing, moves, &picture, *hovered);
         if let Some(thing) = thing {
             response
                 .clone()

@@ -33,11 +33,8 @@ fn has(
 }
 
 fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
-    let sensor = bench
-        .robot()
-        .cables
-        .first()
-        .and_then(|cable| cable.force_sensor);
+    let first = bench.robot().cables.first();
+    let sensor = first.and_then(|cable| cable.force_sensor);
     let now = sensor.is_some();
     has(ui, bench, "Force sensors", now, |robot, is_there| {
         for cable in &mut robot.cables {
