@@ -23,7 +23,7 @@ pub use self::view::restore;
 use tautline_core::effect::EffectSetting;
 
 use crate::model::autosave::AutosaveEvent;
-use crate::model::command::{Command, Leaving, Outcome};
+use crate::model::command::{Command, Outcome, PendingAction};
 use crate::model::edit::Edit;
 use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
@@ -43,7 +43,7 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::View(command) => view::perform(model, command),
         Command::Identification(command) => identification::perform(model, command),
         Command::Robot(command) if command.disconnects() => {
-            file::leave(model, Leaving::Robot(command));
+            file::leave(model, PendingAction::Robot(command));
         }
         Command::Robot(command) => robot::perform(model, command),
         Command::Plot(command) => plots::perform(model, command),

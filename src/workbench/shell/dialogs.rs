@@ -14,7 +14,7 @@ use tautline_workflow::wording::count;
 pub fn show(ui: &mut Ui, state: &mut AppState) {
     // The save dialog is drawn above this one.
     if state.model.dialogs.save.is_none() {
-        leaving(ui, state);
+        pending_action(ui, state);
         unsaved_hypothesis(ui, state);
     }
     elsewhere(ui, state);
@@ -27,12 +27,12 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
 }
 
 /// Question about unsaved changes and about disconnecting an armed robot.
-fn leaving(ui: &mut Ui, state: &mut AppState) {
+fn pending_action(ui: &mut Ui, state: &mut AppState) {
     let AppState { model, outbox, .. } = state;
-    let Some(draft) = &model.dialogs.leaving else {
+    let Some(draft) = &model.dialogs.pending else {
         return;
     };
-    let is_unsaved = draft.leaving.ends_session() && model.is_unsaved();
+    let is_unsaved = draft.action.ends_session() && model.is_unsaved();
     let (answer, is_left) = modal(ui, "leaving", 420.0, |ui| {
         ui.heading(match is_unsaved {
             true => "Save the changes?",
@@ -53,7 +53,7 @@ fn leaving(ui: &mut Ui, state: &mut AppState) {
         }
         ui.add_space(2.0 * GRID);
         let answers: &[(&str, Answer)] = match is_unsaved {
-            true if draft.leaving.keeps_session() => {
+            true if draft.action.keeps_session() => {
                 &[("Save", Answer::Save), ("Cancel", Answer::Cancel)]
             }
             true => &[

@@ -3,7 +3,7 @@
 use super::AppState;
 use crate::model::UiRequest;
 use crate::model::part::ScreenPart;
-use crate::screens::identification::Half;
+use crate::screens::identification::IdentificationTab;
 use crate::screens::{connect, modeling, precalibration};
 use crate::views::robot_3d::drawing::CableColour;
 use tautline_workflow::precalibration::Table;
@@ -32,11 +32,11 @@ pub fn apply(state: &mut AppState) {
             UiRequest::ShowScope => plots.show_scope(),
             UiRequest::ShowGeometry => {
                 plots.leave_scope();
-                panels.identification.half = Half::Geometry;
+                panels.identification.tab = IdentificationTab::Geometry;
             }
             UiRequest::ShowDoctor => {
                 plots.leave_scope();
-                panels.identification.half = Half::Doctor;
+                panels.identification.tab = IdentificationTab::Doctor;
             }
             UiRequest::TakePreparation(preparation) => plots.prepared(&preparation),
             UiRequest::Connection(request) => {

@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .inner
     });
     if is_cancelled || is_left {
-        state.model.dialogs.leaving = None;
+        state.model.dialogs.pending = None;
         state.model.hypothesis.asking = None;
     } else {
         state.model.dialogs.save = Some(draft);

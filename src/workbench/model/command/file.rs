@@ -50,7 +50,7 @@ pub enum FileCommand {
 
 /// Action that closes the open session or its connection, perhaps after a question.
 #[derive(Debug)]
-pub enum Leaving {
+pub enum PendingAction {
     Open(Box<Opening>),
     Close,
     Quit,
@@ -58,7 +58,7 @@ pub enum Leaving {
     Robot(RobotCommand),
 }
 
-impl Leaving {
+impl PendingAction {
     /// Whether the open session must be saved first.
     pub(crate) fn keeps_session(&self) -> bool {
         matches!(self, Self::Open(opening) if opening.origin == Origin::Series)

@@ -30,12 +30,12 @@ pub struct PanelState {
     /// Part shown in a small window.
     part: ScreenPart,
     /// Comparison drawn last.
-    drawn: Option<Drawn>,
+    drawn: Option<ComparisonView>,
 }
 
 /// Comparison prepared for drawing.
 #[derive(Debug)]
-struct Drawn {
+struct ComparisonView {
     compared: Arc<Compared>,
     /// Both geometries.
     scene: Arc<Scene>,
@@ -43,7 +43,7 @@ struct Drawn {
     residuals: Figure,
 }
 
-impl Drawn {
+impl ComparisonView {
     fn new(compared: &Arc<Compared>) -> Self {
         let fits = compared.runs.each_ref().map(|run| run.fit.as_ref());
         let [first, _] = fits;
@@ -84,7 +84,7 @@ pub fn show(
             let known = known.filter(|drawn| Arc::ptr_eq(&drawn.compared, compared));
             let drawn = known.unwrap_or_else(|| {
                 views.compared_3d.look_anew();
-                Drawn::new(compared)
+                ComparisonView::new(compared)
             });
                 let draw = |ui: &mut Ui, part: ScreenPart| match part {
                     ScreenPart::Panel => differences(ui, model, &drawn, views, outbox),
@@ -128,7 +128,13 @@ fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
     CentralPanel::no_frame().show(ui, |ui| draw(ui, ScreenPart::Robot));
 }
 
-fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
+fn robots(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &ComparisonView,
+    views: &mut ViewStates,
+    outbox: &mut Outbox,
+) {
     let (view, hovered) = (&mut views.compared_3d, &mut views.hovered);
     show_beside(ui, &drawn.scene, model.selection, view, hovered, outbox);
 }
@@ -137,7 +143,7 @@ fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, out
 fn differences(
     ui: &mut Ui,
     model: &Model,
-    drawn: &Drawn,
+    drawn: &ComparisonView,
     views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
@@ -173,7 +179,7 @@ fn is_outdated(model: &Model, compared: &Compared) -> bool {
     runs.any(|run| run.source == SessionSource::Open && run.inputs != inputs)
 }
 
-fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {
+fn residuals(ui: &mut Ui, model: &Model, drawn: &ComparisonView, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         ui.section("Residuals of the lengths");
         ui.muted("A filled, B as rings, each over its own poses");

@@ -20,9 +20,9 @@ use crate::model::open_session::StoredFit;
 use crate::model::{Model, OpenSession};
 use crate::widgets::UiExt;
 
-/// Halves of the panel.
+/// Tabs of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Half {
+pub enum IdentificationTab {
     /// Method and geometry.
     #[default]
     Geometry,
@@ -33,7 +33,7 @@ pub enum Half {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    pub half: Half,
+    pub tab: IdentificationTab,
     /// Whether the table shows all coordinates.
     show_axes: bool,
     /// Whether the faults that the data cannot show are listed in full.
@@ -67,14 +67,17 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         memory: panel,
     };
     ui.horizontal(|ui| {
-        let halves = [(Half::Geometry, "Geometry"), (Half::Doctor, "Model doctor")];
-        for (half, name) in halves {
-            ui.selectable_value(&mut panel.memory.half, half, name);
+        let tabs = [
+            (IdentificationTab::Geometry, "Geometry"),
+            (IdentificationTab::Doctor, "Model doctor"),
+        ];
+        for (tab, name) in tabs {
+            ui.selectable_value(&mut panel.memory.tab, tab, name);
         }
     });
-    match panel.memory.half {
-        Half::Geometry => geometry(ui, panel),
-        Half::Doctor => doctor::show(ui, panel),
+    match panel.memory.tab {
+        IdentificationTab::Geometry => geometry(ui, panel),
+        IdentificationTab::Doctor => doctor::show(ui, panel),
     }
 }
 

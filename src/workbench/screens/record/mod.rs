@@ -39,12 +39,12 @@ pub struct PanelState {
     /// Part shown in a small window.
     part: ScreenPart,
     /// Record drawn last.
-    drawn: Option<Drawn>,
+    drawn: Option<RecordView>,
 }
 
 /// Record prepared for drawing.
 #[derive(Debug)]
-struct Drawn {
+struct RecordView {
     open: Arc<OpenRecord>,
     shown: usize,
     /// Pulleys of the first session and of the shown one.
@@ -52,7 +52,7 @@ struct Drawn {
     lanes: lanes::Lanes,
 }
 
-impl Drawn {
+impl RecordView {
     fn new(ui: &Ui, open: &Arc<OpenRecord>, shown: usize) -> Self {
         Self {
             scene: Arc::new(scene(open, shown)),
@@ -114,14 +114,14 @@ fn opened(
 ) {
     let last = open.record.sessions.len() - 1;
     let known = panel.drawn.take();
-    let is_same = |drawn: &Drawn| drawn.open.folder == open.folder;
+    let is_same = |drawn: &RecordView| drawn.open.folder == open.folder;
     if !known.as_ref().is_some_and(is_same) {
         views.record_3d.look_anew();
         (panel.shown, panel.chosen) = (last, Vec::new());
     }
     panel.shown = panel.shown.min(last);
     let known = known.filter(|drawn| Arc::ptr_eq(&drawn.open, open));
-    let mut drawn = known.unwrap_or_else(|| Drawn::new(ui, open, panel.shown));
+    let mut drawn = known.unwrap_or_else(|| RecordView::new(ui, open, panel.shown));
     if drawn.shown != panel.shown {
         drawn.scene = Arc::new(scene(open, panel.shown));
         drawn.shown = panel.shown;
@@ -162,7 +162,7 @@ fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
 fn robot(
     ui: &mut Ui,
     model: &Model,
-    drawn: &Drawn,
+    drawn: &RecordView,
     panel: &mut PanelState,
     views: &mut ViewStates,
     outbox: &mut Outbox,
@@ -189,7 +189,7 @@ fn robot(
 }
 
 /// Text on the path of the selected pulley.
-fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
+fn path_in_words(drawn: &RecordView, selection: Selection) -> String {
     let moved = |index: usize| drawn.scene.cables.get(index)?.moved;
     let selected = selection.cable;
     let Some((index, moved)) = selected.and_then(|index| Some((index, moved(index)?))) else {
@@ -203,7 +203,13 @@ fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
 }
 
 /// Panel on the right: changes, date of the next calibration, sessions.
-fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, outbox: &mut Outbox) {
+fn changes(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &RecordView,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+) {
     let open = &drawn.open;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let kind = match open.found.is_certain() {

@@ -7,7 +7,7 @@ use super::drawing::{
     length_colour, longest_m, significance_colour, tension_colour, tension_range,
 };
 use super::overlay::{Overlay, SMALL, WIDE};
-use super::scene::{Besides, Significance};
+use super::scene::{Reference, Significance};
 use crate::theme::GRID;
 use tautline_session::Stage;
 use tautline_workflow::report::tolerance::Conformity;
@@ -70,7 +70,8 @@ impl Overlay<'_> {
     fn displacements(&self, at: Pos2) -> Option<Rect> {
         let picture = self.picture;
         let options = picture.options;
-        if picture.scene.besides == Besides::Nothing || !(options.arrows || options.ellipsoids) {
+        if picture.scene.reference == Reference::Nothing || !(options.arrows || options.ellipsoids)
+        {
             return None;
         }
         match options.arrow_colour_of(picture.scene) {
@@ -159,9 +160,9 @@ impl Overlay<'_> {
         let lines: Vec<(&str, Color32)> = all
             .filter(occurs)
             .map(|one| {
-                let words = match (scene.besides, one) {
-                    (Besides::Other(_), Significance::Noise) => "unchanged",
-                    (Besides::Other(_), Significance::Clear) => "moved",
+                let words = match (scene.reference, one) {
+                    (Reference::Other(_), Significance::Noise) => "unchanged",
+                    (Reference::Other(_), Significance::Clear) => "moved",
                     _ => one.words(),
                 };
                 (words, significance_colour(one, self.palette))

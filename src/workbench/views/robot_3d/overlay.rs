@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, po
 
 use super::drawing::{Band, Options, is_drawn};
 use super::picking::{OnScreen, Picture};
-use super::scene::Besides;
+use super::scene::Reference;
 use super::{labels, words};
 use crate::model::Selection;
 use crate::theme::{self, GRID, Palette};
@@ -113,7 +113,7 @@ impl Overlay<'_> {
         } = *picture.options;
         let exaggeration = picture.options.exaggeration_of(picture.scene);
         let first = self.text(at, Align2::LEFT_TOP, words::shown(picture.scene));
-        if picture.scene.besides == Besides::Nothing {
+        if picture.scene.reference == Reference::Nothing {
             return vec![first];
         }
         if picture.options.inspected.is_some() {
@@ -260,7 +260,7 @@ pub(super) mod tests {
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
         let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
-        scene.besides = Besides::Drawing;
+        scene.reference = Reference::Drawing;
         let pose = MeasuredPose {
             label: 1,
             position: Vec3::zeros(),

@@ -5,7 +5,7 @@ use egui_material_icons::icons;
 
 use super::camera::{Projection, StandardView};
 use super::drawing::{ArrowColour, CableColour, FrameLook, Options};
-use super::scene::{Besides, Scene};
+use super::scene::{Reference, Scene};
 use crate::widgets::{UiExt, checkbox, icon_only};
 
 /// Width of the slider with its number (points).
@@ -42,7 +42,7 @@ pub fn show(
     can_frame: bool,
     maximise: Option<&mut bool>,
 ) -> Option<CameraRequest> {
-    let besides = scene.besides;
+    let reference = scene.reference;
     let mut aim = None;
     let width = ui.available_width();
     let is_wide = width > WIDE;
@@ -77,11 +77,11 @@ pub fn show(
         }
         ui.menu_button("Show", |ui| {
             parts(ui, options, scene);
-            if besides != Besides::Nothing && !is_wide {
+            if reference != Reference::Nothing && !is_wide {
                 exaggeration(ui, options, scene);
             }
         });
-        if besides != Besides::Nothing && is_wide {
+        if reference != Reference::Nothing && is_wide {
             exaggeration(ui, options, scene);
         }
     });
@@ -129,7 +129,7 @@ fn colours(ui: &mut Ui, options: &mut Options) {
 }
 
 fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
-    let besides = scene.besides;
+    let reference = scene.reference;
     checkbox(ui, &mut options.labels, "Cable numbers");
     checkbox(ui, &mut options.poses, "Poses");
     checkbox(ui, &mut options.callouts, "Pinned coordinates")
@@ -144,9 +144,9 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     }
     checkbox(ui, &mut options.errors, "Position errors")
         .on_hover_text("Errors of position before and after the adjustment, in phase 5");
-    let pulleys = match besides {
-        Besides::Other(names) => &format!("Pulleys of {}", names.second),
-        Besides::Drawing | Besides::Nothing => "Nominal pulleys",
+    let pulleys = match reference {
+        Reference::Other(names) => &format!("Pulleys of {}", names.second),
+        Reference::Drawing | Reference::Nothing => "Nominal pulleys",
     };
     let of_identification = [
         (&mut options.nominal, pulleys),
@@ -154,12 +154,14 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
         (&mut options.ellipsoids, "95 % confidence ellipsoids"),
     ];
     for (shown, name) in of_identification {
-        ui.add_enabled_ui(besides != Besides::Nothing, |ui| checkbox(ui, shown, name))
-            .inner
-            .on_disabled_hover_text("Available after identification");
+        ui.add_enabled_ui(reference != Reference::Nothing, |ui| {
+            checkbox(ui, shown, name)
+        })
+        .inner
+        .on_disabled_hover_text("Available after identification");
     }
     ui.separator();
-    if besides != Besides::Nothing {
+    if reference != Reference::Nothing {
         ui.horizontal(|ui| {
             ui.muted("Displacements by");
             for by in ArrowColour::ALL {

@@ -289,9 +289,9 @@ pub(crate) fn show(
         ui.empty("All plots are in windows of their own.");
     } else {
         let dragged = tree.dragged_id(ui.ctx());
-        let places = tree::stand_in(tree, |kind| (kind.missing)(open).is_none());
+        let places = tree::substitute(tree, |kind| (kind.missing)(open).is_none());
         tree.ui(&mut dock, ui);
-        tree::stand_back(tree, &places);
+        tree::restore(tree, &places);
         if let Some(dragged) = dragged.filter(|_| ui.input(|input| input.pointer.any_released())) {
             tree::untangle(tree, dragged);
             tree.simplify(&dock.simplification_options());

@@ -22,7 +22,7 @@ pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
 
 use super::parts::{SolidPart, paint};
-use super::scene::{Besides, CableView, Displacement, PlacedCable, Scene, Wheel};
+use super::scene::{CableView, Displacement, PlacedCable, Reference, Scene, Wheel};
 use crate::model::Selection;
 use crate::theme::{self, Palette};
 
@@ -236,8 +236,8 @@ impl Drawing {
             }
         };
         if let Some(other) = placed.other.filter(|_| options.nominal) {
-            match scene.besides {
-                Besides::Other(_) if !look.fades => {
+            match scene.reference {
+                Reference::Other(_) if !look.fades => {
                     self.glass_wheel(&other, look.colour, INSPECTED);
                 }
                 _ => self.glass_wheel(&other, tone(palette.ghost), GHOST),
