@@ -45,7 +45,7 @@ pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
     let is_worse = |check: &Check| check.state == CheckState::Bad;
     if open.checklist(&review.lines).iter().any(is_worse) {
         let text = "The robot is less accurate than before.";
-        let then = "Take the values back, then diagnose the model.";
+        let then = "Roll back the values, then diagnose the model.";
         let back = Remedy::new("Roll back the values", RobotCommand::RollBack, then);
         problems.push(with_controller(text, back));
     }

@@ -94,7 +94,7 @@ fn motion(ui: &mut Ui, compared: &Comparison) {
     let Some(motion) = &compared.motion else {
         return;
     };
-    ui.section("Motion that all pulleys have in common");
+    ui.section("Common motion of all pulleys");
     let told = match motion.test {
         None => String::new(),
         Some(test) if differs(compared, Some(test)) => format!(
@@ -148,7 +148,7 @@ fn home(ui: &mut Ui, compared: &Comparison) {
 }
 
 fn fits(ui: &mut Ui, compared: &Compared) {
-    ui.section("How well each session is explained");
+    ui.section("Fit of each session");
     let columns = [
         TableColumn::words("Session"),
         TableColumn::number("Poses", ""),

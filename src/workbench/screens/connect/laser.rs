@@ -206,7 +206,7 @@ impl LaserDraft {
 
     /// Received lines and the distances parsed from them.
     fn test(&mut self, ui: &mut Ui, busy: bool) {
-        ui.section("What arrives");
+        ui.section("Received lines");
         let settings = self.settings(&mut Problems::default());
         let Some(LaserSettings::Line(settings)) = settings.filter(|_| !busy) else {
             self.test = None;

@@ -185,13 +185,7 @@ impl SymbolRows {
             .num_columns(5)
             .spacing([2.0 * GRID, GRID])
             .show(ui, |ui| {
-                for title in [
-                    "What is needed",
-                    "Symbol",
-                    "Scale",
-                    "Unit",
-                    "At the controller",
-                ] {
+                for title in ["Signal", "Symbol", "Scale", "Unit", "At the controller"] {
                     ui.muted(title);
                 }
                 ui.end_row();

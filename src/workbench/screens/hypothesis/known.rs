@@ -42,7 +42,7 @@ fn of_catalogue(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some((robot, _)) = model.robot_of_effects() else {
         return;
     };
-    ui.muted("Its formulas, to be changed:");
+    ui.muted("Begin with the formulas of an effect:");
     ui.add_space(GRID);
     for effect in every_effect() {
         // Not every effect can be written as text.

@@ -21,7 +21,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
     ui.section("What it does to the residuals");
     let inputs = model.open.as_ref().map(|open| open.inputs());
     if draft.checked().is_err() {
-        ui.muted("Appears here once the text has no mistake.");
+        ui.muted("Appears here once the text has no error.");
         return;
     }
     let is_fitting = model.tasks.runs(TRYING) || draft.lacks_preview(inputs);
@@ -58,7 +58,7 @@ fn vocabulary(ui: &mut Ui, is_open: bool) {
                 ui.muted(&format!("{}{unit}", quantity.meaning));
             });
         }
-        ui.muted("Those of a cable also of another one, as paid_of(next).");
+        ui.muted("Quantities of a cable exist for other cables too, as in paid_of(next).");
         let functions: Vec<&str> = formula_functions().collect();
         ui.wrapped(RichText::new(functions.join(", ")).monospace());
     });

@@ -150,7 +150,7 @@ fn unknown(ui: &mut Ui, panel: &mut Panel<'_>, card: &Card<'_>) {
     if others.is_empty() {
         return;
     }
-    let title = format!("Where else it shows ({})", others.len());
+    let title = format!("Other readings that show it ({})", others.len());
     CollapsingHeader::new(title).show(ui, |ui| {
         for (index, other) in others {
             ui.wrapped(&other.sentence);

@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     if found.is_empty() || !panel.open.is_model_diagnosed() {
         return;
     }
-    let title = "What the residuals depend on";
+    let title = "Dependences of the residuals";
     CollapsingHeader::new(title).show(ui, |ui| {
         for group in groups(found) {
             line(ui, panel, diagnosed, found, &group);

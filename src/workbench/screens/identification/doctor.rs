@@ -145,7 +145,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     };
     ui.add_space(2.0 * GRID);
     let clean = diagnosis.findings.is_empty();
-    let header = CollapsingHeader::new("What these poses cannot show")
+    let header = CollapsingHeader::new("Not detectable with these poses")
         .open(Some(panel.memory.show_invisible))
         .show(ui, |ui| {
             ui.muted(heading);
@@ -168,7 +168,7 @@ fn possible(ui: &mut Ui, diagnosed: &Diagnosed) {
         return;
     }
     ui.add_space(2.0 * GRID);
-    CollapsingHeader::new("What else is possible").show(ui, |ui| {
+    CollapsingHeader::new("Other possible causes").show(ui, |ui| {
         ui.muted("These data neither establish these causes nor rule them out:");
         for cause in causes {
             let name = diagnosed.title(&cause.cause);

@@ -67,7 +67,7 @@ fn readings(ui: &mut Ui, checks: &[CheckItem]) {
         }
     }
     if open.count() == 0 {
-        ui.good("No mistake is found in the readings.");
+        ui.good("No mistake was found in the readings.");
     }
 }
 
@@ -105,8 +105,8 @@ pub fn last_step(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>) {
             ui.label(icon.color(colour));
             ui.label(match (poses, found) {
                 (None, _) => "See Check".to_owned(),
-                (_, 1) => "A mistake is found: see Check".to_owned(),
-                _ => format!("{found} mistakes are found: see Check"),
+                (_, 1) => "A mistake was found: see Check".to_owned(),
+                _ => format!("{found} mistakes were found: see Check"),
             });
         }
     });

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         return;
     }
     ui.section("Clocks");
-    ui.muted("What is added to the times of each recorder, so that they agree.");
+    ui.muted("Offsets that are added to the times of each recorder so that they agree.");
     for series in timed {
         let clocks = &bench.open.draft.recipe().clocks;
         let clock = clocks.iter().find(|clock| clock.series == series);

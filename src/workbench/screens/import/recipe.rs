@@ -43,7 +43,7 @@ fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
     let recipe = bench.open.draft.recipe();
     if recipe.channels.is_empty() {
         return ui
-            .doubtful("No channel is used yet. Choose a channel at the left and say what it is.");
+            .doubtful("No channel is used yet. Choose a channel on the left and say what it is.");
     }
     let mut removed = None;
     for (k, entry) in recipe.channels.iter().enumerate() {

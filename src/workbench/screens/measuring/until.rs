@@ -187,7 +187,7 @@ pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
     let Some(until) = &run.until else {
         return;
     };
-    ui.section("What is known");
+    ui.section("Result so far");
     let key = (open.id(), open.revision(), until.end());
     let robot = &open.session().robot;
     let document = state.known.get(key, || until.document(robot));

@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
                 found.poses
             )),
         Err(error) => {
-            ui.doubtful(&format!("What deviations change in the readings cannot be computed: {error}."));
+            ui.doubtful(&format!("The effect of deviations on the readings cannot be computed: {error}."));
             return table(ui, bench, None);
         }
     };
