@@ -7,6 +7,7 @@ use tautline_core::estimation::Progress;
 use tautline_session::{Session, import, read_poses, read_table_file};
 
 use super::file_dialog::pick;
+use super::file_tasks::file_label;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{
@@ -210,10 +211,10 @@ fn replay(model: &mut Model, path: &Path) {
                 .map_err(|error| format!("{}: {error}.", path.display()))
         };
         let result = replay();
-        let file = path.file_name().unwrap_or_default();
+        let file = file_label(&path);
         SimulatorComparison {
             session,
-            file: file.to_string_lossy().into_owned(),
+            file,
             result,
         }
         .into()

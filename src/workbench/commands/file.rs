@@ -15,10 +15,10 @@ use super::file_tasks::{ask_save, written};
 use super::{hypothesis, recording, robot, tables};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
-    Answer, Command, FileCommand, FileOutcome, Leaving, Opening, Origin, Outcome, RecordCommand,
-    RobotCommand,
+    Answer, Command, FileCommand, FileOutcome, Opening, Origin, Outcome, PendingAction,
+    RecordCommand, RobotCommand,
 };
-use crate::model::dialogs::{LeavingDraft, SaveContent};
+use crate::model::dialogs::{PendingActionDraft, SaveContent};
 use crate::model::edit::same_effect;
 use crate::model::hypothesis::AfterHypothesis;
 use crate::model::messages::Cause;
@@ -69,11 +69,11 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
         },
         FileCommand::SaveAs(path) => save(model, link_target(&path)),
         FileCommand::NewSeries(repaired) => new_series(model, &repaired),
-        FileCommand::Close => leave(model, Leaving::Close),
+        FileCommand::Close => leave(model, PendingAction::Close),
         FileCommand::Quit if model.hypothesis.is_unsaved() => {
             hypothesis::go_on(model, AfterHypothesis::Quit);
         }
-        FileCommand::Quit => leave(model, Leaving::Quit),
+        FileCommand::Quit => leave(model, PendingAction::Quit),
         FileCommand::Answer(answer) => answered(model, answer),
         FileCommand::TakeOver(takes_over) => take_over(model, takes_over),
         FileCommand::Recover(place) => recover(model, place),
@@ -113,7 +113,7 @@ fn go_to(model: &mut Model, session: Session, path: Option<PathBuf>, origin: Ori
         path,
         origin,
     };
-    leave(model, Leaving::Open(Box::new(opening)));
+    leave(model, PendingAction::Open(Box::new(opening)));
 }
 
 /// Saves the open session and begins a new series of it.
@@ -211,12 +211,13 @@ fn save(model: &mut Model, path: PathBuf) {
         return;
     };
     let session = open.session().clone();
-    let state = (open.id(), open.revision());
+    let (identity, revision) = (open.id(), open.revision());
     model.tasks.start(SAVING, move |_| {
         let result = write_session(&path, &session).map_err(|error| error.to_string());
         Outcome::File(FileOutcome::Saved {
             path,
-            state,
+            identity,
+            revision,
             result,
         })
     });
@@ -236,40 +237,42 @@ fn seal(model: &mut Model) {
 }
 
 /// Leaves the open session or its controller; asks first if unsaved changes would be lost or a robot disarmed.
-pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
+pub(super) fn leave(model: &mut Model, draft: impl Into<PendingActionDraft>) {
     let draft = draft.into();
-    let loses = draft.leaving.ends_session() && model.is_unsaved();
+    let loses = draft.action.ends_session() && model.is_unsaved();
     // The simulated robot of the session is armed again at once.
-    let connected = model.link.connected.as_ref();
-    let is_simulated = connected.is_some_and(|one| one.rig.kind == RobotKind::OfSession);
-    let rearms =
-        is_simulated && matches!(draft.leaving, Leaving::Robot(RobotCommand::ConnectAndArm));
+    let is_simulated = model.robot_kind() == Some(RobotKind::OfSession);
+    let rearms = is_simulated
+        && matches!(
+            draft.action,
+            PendingAction::Robot(RobotCommand::ConnectAndArm)
+        );
     if loses || model.would_disarm() && !rearms && !draft.may_disarm {
-        let saves = loses && draft.leaving.keeps_session();
-        model.dialogs.leaving = Some(draft);
+        let saves = loses && draft.action.keeps_session();
+        model.dialogs.pending = Some(draft);
         if saves {
             perform(model, FileCommand::Save);
         }
         return;
     }
-    match draft.leaving {
-        Leaving::Open(opening) => open(model, *opening),
-        Leaving::Close => {
+    match draft.action {
+        PendingAction::Open(opening) => open(model, *opening),
+        PendingAction::Close => {
             model.open = None;
             model.importing.open = None;
             model.messages.dismiss();
             model.screen = Screen::Start;
         }
-        Leaving::Quit => {
+        PendingAction::Quit => {
             model.open = None;
             model.context.send_viewport_cmd(ViewportCommand::Close);
         }
-        Leaving::Robot(command) => robot::perform(model, command),
+        PendingAction::Robot(command) => robot::perform(model, command),
     }
 }
 
 fn answered(model: &mut Model, answer: Answer) {
-    let Some(mut draft) = model.dialogs.leaving.take() else {
+    let Some(mut draft) = model.dialogs.pending.take() else {
         return;
     };
     draft.may_disarm = true;
@@ -278,11 +281,11 @@ fn answered(model: &mut Model, answer: Answer) {
         Answer::Cancel => {}
         // The action follows once the file is written.
         Answer::Save => {
-            model.dialogs.leaving = Some(draft);
+            model.dialogs.pending = Some(draft);
             perform(model, FileCommand::Save);
         }
         Answer::Discard => {
-            if draft.leaving.ends_session() {
+            if draft.action.ends_session() {
                 model.open = None;
             }
             leave(model, draft);
@@ -299,7 +302,7 @@ fn recover(model: &mut Model, place: usize) {
     let left = model.unsaved_sessions.remove(place);
     match left.recover() {
         Ok(Loaded { value, notices }) => {
-            tell(model, notices);
+            model.messages.warnings(notices);
             open(
                 model,
                 Opening {
@@ -341,12 +344,6 @@ pub fn find_unsaved(model: &mut Model) {
     });
 }
 
-fn tell(model: &mut Model, notices: Vec<String>) {
-    for notice in notices {
-        model.messages.warning(notice);
-    }
-}
-
 pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
     match outcome {
         FileOutcome::Read {
@@ -367,16 +364,18 @@ pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
         FileOutcome::UnsavedSessions(Ok(left)) => model.unsaved_sessions = left,
         FileOutcome::Saved {
             path,
-            state,
+            identity,
+            revision,
             result,
-        } => saved(model, path, state, result),
+        } => saved(model, path, identity, revision, result),
     }
 }
 
 fn saved(
     model: &mut Model,
     path: PathBuf,
-    (identity, revision): (u64, u64),
+    identity: u64,
+    revision: u64,
     result: Result<(), String>,
 ) {
     let is_saved = result.is_ok();
@@ -389,13 +388,13 @@ fn saved(
         model.session_lock.written(identity, &path);
         remember(model, &path);
     }
-    if let Some(draft) = model.dialogs.leaving.take() {
+    if let Some(draft) = model.dialogs.pending.take() {
         leave(model, draft);
     }
 }
 
 fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
-    tell(model, loaded.notices);
+    model.messages.warnings(loaded.notices);
     let named = |path: &Path| {
         path.file_name()
             .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
@@ -414,7 +413,7 @@ fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
             None,
         ),
         Import::Dataset(folder) => {
-            tell(model, folder.notices.clone());
+            model.messages.warnings(folder.notices.clone());
             let session = Session::of_dataset(named(&path), *folder, clock::now());
             begin(model, session, None);
         }

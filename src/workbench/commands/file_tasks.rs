@@ -1,5 +1,6 @@
 //! Writing of files in tasks.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use crate::model::command::Outcome;
@@ -27,8 +28,26 @@ pub fn ask_save(model: &mut Model, content: SaveContent, name: impl AsRef<Path>)
     model.dialogs.save = Some(SaveDraft { form, content });
 }
 
+/// Name of a file, or its path if it has none.
+pub fn file_label(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Writes a file in a task of this title.
+pub fn write<E: Display>(
+    model: &mut Model,
+    title: &str,
+    path: PathBuf,
+    work: impl FnOnce(&Path) -> Result<(), E> + Send + 'static,
+) {
+    write_with_warning(model, title, path, move |path| {
+        work(path).map(|()| None).map_err(|error| error.to_string())
+    });
+}
+
 /// Writes a file in a task of this title; `work` may return a warning.
-pub fn write(
+pub fn write_with_warning(
     model: &mut Model,
     title: &str,
     path: PathBuf,

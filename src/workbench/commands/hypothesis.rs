@@ -203,13 +203,9 @@ fn preview(model: &mut Model) {
         hypothesis.text().to_owned(),
         model.open.as_ref().map(OpenSession::inputs),
     );
-    let measured = model
-        .open
-        .as_ref()
-        .filter(|open| !open.session().measurements.is_empty());
-    if let Some(open) = measured {
+    if let Some(open) = model.measured() {
         let session = open.session().clone();
-        let fit = open.fit().filter(|_| open.fit_is_current()).map(Arc::clone);
+        let fit = open.current_fit().map(Arc::clone);
         model.tasks.start(TRYING, move |task| {
             let tried = try_hypothesis(&session, fit, &hypothesis, &|| task.control());
             let result = tried.map(|tried| tried.map(PreviewResult::Measured));
@@ -256,8 +252,7 @@ fn save_gallery(model: &mut Model, path: PathBuf) {
     };
     let gallery = Arc::clone(gallery);
     write(model, "Writing the gallery", path, move |path| {
-        let written = write_gallery(path, &gallery, clock::now());
-        written.map(|()| None).map_err(|error| error.to_string())
+        write_gallery(path, &gallery, clock::now())
     });
 }
 
@@ -265,16 +260,18 @@ fn save_gallery(model: &mut Model, path: PathBuf) {
 pub(super) fn add_those_of_user(model: &mut Model, session: &mut Session) {
     let folder = HypothesisFolder::read(&model.folders.effects());
     let added = folder.add_to(&mut session.robot);
-    for notice in folder.notices.into_iter().chain(added) {
-        model.messages.warning(format!("{notice}."));
-    }
+    let notices = folder.notices.into_iter().chain(added);
+    model
+        .messages
+        .warnings(notices.map(|notice| format!("{notice}.")));
 }
 
 pub(super) fn receive(model: &mut Model, outcome: HypothesisOutcome) {
     match outcome {
         HypothesisOutcome::Tried { of, result } => {
             if let (Some(draft), Some(result)) = (&mut model.hypothesis.draft, result.transpose()) {
-                draft.take_preview(of, result);
+                let (text, inputs) = of;
+                draft.take_preview(text, inputs, result);
             }
         }
         HypothesisOutcome::Read(path, Ok(text)) => begin(model, text, Some(path)),

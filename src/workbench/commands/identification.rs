@@ -53,12 +53,9 @@ pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
 }
 
 fn check_readings(model: &mut Model) {
-    let Some(open) = &model.open else {
+    let Some(open) = model.measured().filter(|_| !model.tasks.runs(READINESS)) else {
         return;
     };
-    if open.session().measurements.is_empty() || model.tasks.runs(READINESS) {
-        return;
-    }
     let (dataset, inputs) = (open.session().dataset(), open.inputs());
     model.tasks.start(READINESS, move |_| {
         let found = check(&dataset, None, true);
@@ -71,14 +68,11 @@ fn check_readings(model: &mut Model) {
 }
 
 fn identify(model: &mut Model, keep: bool) {
-    let Some(open) = &model.open else {
+    let Some(open) = model.measured() else {
         return;
     };
-    if open.session().measurements.is_empty() {
-        return;
-    }
-    model.tasks.cancel(IDENTIFYING);
     let (session, inputs) = (open.session().clone(), open.inputs());
+    model.tasks.cancel(IDENTIFYING);
     let progress = FitProgress::default();
     model.identification.progress = progress.clone();
     model.tasks.start(IDENTIFYING, move |task| {
@@ -141,7 +135,8 @@ impl FitChoices {
 pub(super) fn follow(
     model: &mut Model,
     before: Option<&FitChoices>,
-    (what, adds): (&str, Option<Vec<EffectSetting>>),
+    what: &str,
+    adds: Option<Vec<EffectSetting>>,
 ) {
     let Some(open) = &model.open else {
         return;
@@ -203,17 +198,14 @@ fn identification_record(session: &Session, fit: &Identification) -> ResultRecor
 }
 
 fn start_diagnosis(model: &mut Model, keep: bool) {
-    let Some(open) = &model.open else {
+    let Some(open) = model.measured().filter(|_| !model.tasks.runs(DIAGNOSING)) else {
         return;
     };
-    if open.session().measurements.is_empty() || model.tasks.runs(DIAGNOSING) {
-        return;
-    }
     let (session, inputs) = (open.session().clone(), open.inputs());
-    let current = open.fit().filter(|_| open.fit_is_current()).cloned();
+    let current = open.current_fit().cloned();
     let limit_s = model.diagnosis_limit_s();
     model.tasks.start(DIAGNOSING, move |task| {
-        let result = diagnosed(&session, current, (keep, limit_s), task);
+        let result = diagnosed(&session, current, keep, limit_s, task);
         IdentificationOutcome::Diagnosed { inputs, result }.into()
     });
 }
@@ -222,7 +214,8 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
 fn diagnosed(
     session: &Session,
     current: Option<Arc<Identification>>,
-    (keep, limit_s): (bool, f64),
+    keep: bool,
+    limit_s: f64,
     task: &TaskHandle,
 ) -> Result<Option<Box<DiagnosisResult>>, String> {
     let mut dataset = session.dataset();
@@ -426,7 +419,7 @@ fn take_diagnosis(open: &mut OpenSession, inputs: u64, examined: DiagnosisResult
     let findings = examined.result.diagnosed.diagnosis.findings.len();
     let (is_clean, found) = (findings == 0, count(findings, "finding"));
     let is_gross = !examined.result.diagnosed.gross().is_empty();
-    open.set_diagnosis(examined.result, (inputs, examined.effects));
+    open.set_diagnosis(examined.result, inputs, examined.effects);
     if let Some(record) = examined.record {
         open.add_result(record);
         open.log(LogPhase::Diagnosis, format!("Diagnosed: {found}."));

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use tautline_session::Loaded;
 
 use super::file_dialog::pick;
+use super::file_tasks::file_label;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ImportCommand, ImportOutcome, Outcome};
 use crate::model::edit::Edit;
@@ -43,10 +44,7 @@ fn read(model: &mut Model, table: Table, path: PathBuf) {
 
 pub(super) fn receive(model: &mut Model, ImportOutcome { path, result }: ImportOutcome) {
     match result {
-        Ok(loaded) => {
-            let name = path.file_name().unwrap_or(path.as_os_str());
-            take(model, &name.to_string_lossy(), loaded);
-        }
+        Ok(loaded) => take(model, &file_label(&path), loaded),
         Err(error) => model.messages.failure(Cause::Opening, error),
     }
 }
@@ -63,9 +61,7 @@ pub(super) fn take(model: &mut Model, name: &str, loaded: Loaded<TableRows>) {
         model.messages.failure(Cause::Opening, message);
         return;
     }
-    for notice in loaded.notices {
-        model.messages.warning(notice);
-    }
+    model.messages.warnings(loaded.notices);
     let count = rows.row_count();
     let mut phases = open.session().phases.clone();
     rows.replace(&mut phases);

@@ -23,7 +23,7 @@ pub use self::view::restore;
 use tautline_core::effect::EffectSetting;
 
 use crate::model::autosave::AutosaveEvent;
-use crate::model::command::{Command, Leaving, Outcome};
+use crate::model::command::{Command, Outcome, PendingAction};
 use crate::model::edit::Edit;
 use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
@@ -43,7 +43,7 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::View(command) => view::perform(model, command),
         Command::Identification(command) => identification::perform(model, command),
         Command::Robot(command) if command.disconnects() => {
-            file::leave(model, Leaving::Robot(command));
+            file::leave(model, PendingAction::Robot(command));
         }
         Command::Robot(command) => robot::perform(model, command),
         Command::Plot(command) => plots::perform(model, command),
@@ -58,7 +58,7 @@ pub fn perform(model: &mut Model, command: Command) {
                 Edit::AddPattern { effect, .. } => Some(vec![EffectSetting::clone(effect)]),
                 _ => None,
             };
-            changed(model, (None, adds), |open| {
+            changed(model, None, adds, |open| {
                 let name = edit.name();
                 open.edit(edit).then_some(name)
             });
@@ -67,15 +67,16 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::Refuse(text) => model.messages.failure(Cause::Entry, text),
         Command::Undo if recording::undoes(model, false) => recording::undo(model),
         Command::Redo if recording::undoes(model, true) => recording::redo(model),
-        Command::Undo => changed(model, (Some("Undone"), None), OpenSession::undo),
-        Command::Redo => changed(model, (Some("Redone"), None), OpenSession::redo),
+        Command::Undo => changed(model, Some("Undone"), None, OpenSession::undo),
+        Command::Redo => changed(model, Some("Redone"), None, OpenSession::redo),
     }
 }
 
 /// Applies, undoes or redoes an edit and updates the results.
 fn changed(
     model: &mut Model,
-    (prefix, adds): (Option<&str>, Option<Vec<EffectSetting>>),
+    prefix: Option<&str>,
+    adds: Option<Vec<EffectSetting>>,
     step: impl FnOnce(&mut OpenSession) -> Option<String>,
 ) {
     let before = identification::FitChoices::of(model);
@@ -90,7 +91,7 @@ fn changed(
     if prefix.is_some() {
         model.messages.info(format!("{what}."));
     }
-    identification::follow(model, before.as_ref(), (&what, adds));
+    identification::follow(model, before.as_ref(), &what, adds);
 }
 
 /// Handles an event of the autosave.

@@ -27,7 +27,7 @@ pub(super) fn perform(model: &mut Model, command: PlotCommand) {
                 PlotFile::Screenshot(picture) => write_bytes(path, &png(&picture)?),
                 PlotFile::Picture(picture) => write_bytes(path, &(picture.render)(&picture)?),
             };
-            written.map(|()| None).map_err(|error| error.to_string())
+            written.map_err(|error| error.to_string())
         }),
     }
 }

@@ -186,9 +186,10 @@ pub(super) fn receive(model: &mut Model, outcome: RecordOutcome) {
             match &result {
                 Err(error) => model.messages.failure(Cause::Opening, error.clone()),
                 Ok(open) => {
-                    for notice in &open.record.notices {
-                        model.messages.warning(format!("{notice}."));
-                    }
+                    let notices = open.record.notices.iter();
+                    model
+                        .messages
+                        .warnings(notices.map(|notice| format!("{notice}.")));
                 }
             }
             model.record.take(result.map(Arc::from));

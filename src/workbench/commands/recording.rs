@@ -1,6 +1,6 @@
 //! Import of files of other programs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use tautline_core::measurement::Dataset;
@@ -13,7 +13,7 @@ use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
 use super::file::begin;
 use super::file_dialog::pick;
-use super::file_tasks::{ask_save, write};
+use super::file_tasks::{ask_save, file_label, write};
 use super::{changed, identification};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
@@ -290,8 +290,7 @@ fn save(model: &mut Model, path: PathBuf) {
     };
     let recipe = open.draft.recipe().clone();
     write(model, "Saving the recipe", path, move |path| {
-        let written = write_versioned(path, &recipe);
-        written.map(|()| None).map_err(|error| error.to_string())
+        write_versioned(path, &recipe)
     });
 }
 
@@ -305,7 +304,10 @@ fn finish(model: &mut Model) {
     };
     import.is_taken = true;
     let recipe = import.draft.recipe().clone();
-    let files: Vec<String> = import.draft.sources().iter().map(file_name).collect();
+    let sources = import.draft.sources().iter();
+    let files: Vec<String> = sources
+        .map(|source| file_label(Path::new(&source.file)))
+        .collect();
     let name = files.join(", ");
     model.importing.last_recipe = Some(recipe.clone());
     let replaces = std::mem::take(&mut model.importing.replaces)
@@ -314,7 +316,7 @@ fn finish(model: &mut Model) {
         let poses = Arc::new(imported.measurements.clone());
         let count = poses.len();
         let done = format!("Imported {count} poses from {name}");
-        changed(model, (None, None), |open| {
+        changed(model, None, None, |open| {
             let again = if replaces { " again" } else { "" };
             let what = format!("import {name}{again}");
             open.edit(Edit::Import(poses, what.clone())).then_some(what)
@@ -351,12 +353,6 @@ fn note(session: &mut Session, recipe: &Recipe, imported: &Imported, name: &str)
     session.add_result(record);
 }
 
-fn file_name(source: &Source) -> String {
-    let path = std::path::Path::new(&source.file);
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
-}
-
 /// Whether undo, or redo if `again`, applies to the recipe.
 pub(super) fn undoes(model: &Model, again: bool) -> bool {
     let open = model.importing.open.as_ref();
@@ -378,9 +374,7 @@ pub(super) fn redo(model: &mut Model) {
 pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
     match outcome {
         RecordingOutcome::Read(Ok(Some(Loaded { value, notices }))) => {
-            notices
-                .into_iter()
-                .for_each(|notice| model.messages.warning(notice));
+            model.messages.warnings(notices);
             take(model, value);
         }
         RecordingOutcome::Read(Ok(None)) => model.messages.info("Reading was stopped."),
@@ -389,11 +383,8 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
         }
         RecordingOutcome::Recipe(path, Ok(loaded)) => {
             let Loaded { value, notices } = *loaded;
-            notices
-                .into_iter()
-                .for_each(|notice| model.messages.warning(notice));
-            let name = path.file_name().unwrap_or(path.as_os_str());
-            use_recipe(model, &name.to_string_lossy(), value);
+            model.messages.warnings(notices);
+            use_recipe(model, &file_label(&path), value);
         }
         RecordingOutcome::Aligned(revision, Ok((recipe, clocks))) => {
             aligned(model, revision, *recipe, &clocks);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::file_dialog::pick;
-use super::file_tasks::write;
+use super::file_tasks::{write, write_with_warning};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ReportCommand, ReportDraft, WorkshopInstrument};
 use crate::model::comparison::{Compared, SessionSource};
@@ -191,8 +191,7 @@ fn save_history(model: &mut Model, path: PathBuf, choice: ReportChoice, of: Arc<
             choice: &choice,
             now: clock::now(),
         };
-        write_history(path, &input).map_err(|error| error.to_string())?;
-        Ok(None)
+        write_history(path, &input)
     });
 }
 
@@ -206,8 +205,7 @@ fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: A
             choice: &choice,
             now: clock::now(),
         };
-        write_comparison(path, &input).map_err(|error| error.to_string())?;
-        Ok(None)
+        write_comparison(path, &input)
     });
 }
 
@@ -236,7 +234,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
     let diagnosis_outdated = diagnosis.is_some() && (outdated || !open.is_model_diagnosed());
     let report_picture = model.report_picture;
     let next_calibration = next_calibration(model);
-    write(model, "Writing the report", path, move |path| {
+    write_with_warning(model, "Writing the report", path, move |path| {
         let (fit, diagnosis) = completed(&session, (fit, diagnosis));
         let picture = report_picture(&session, fit.as_deref(), &pinned);
         let input = ReportInput {

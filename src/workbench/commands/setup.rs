@@ -72,8 +72,7 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
             ask_save(model, SaveContent::Symbols(mapping), "symbols.json");
         }
         Setup::Export(path, mapping) => write(model, "Writing symbol names", path, move |path| {
-            let written = write_versioned(path, &*mapping);
-            written.map(|()| None).map_err(|error| error.to_string())
+            write_versioned(path, &*mapping)
         }),
     }
 }

@@ -6,7 +6,7 @@ use tautline_session::SymbolMapping;
 
 use super::command::file_choice::FileChooser;
 use super::command::{
-    Command, Export, FileCommand, HypothesisCommand, Leaving, Opening, PlotCommand, PlotFile,
+    Command, Export, FileCommand, HypothesisCommand, Opening, PendingAction, PlotCommand, PlotFile,
     RecordingCommand, ReportDraft, RobotCommand, Setup, WriteDraft,
 };
 use super::manual;
@@ -15,7 +15,7 @@ use super::save_form::SaveForm;
 #[derive(Debug, Default)]
 pub struct Dialogs {
     /// Question about unsaved changes or an armed robot.
-    pub(crate) leaving: Option<LeavingDraft>,
+    pub(crate) pending: Option<PendingActionDraft>,
     /// Session that is open in another window, with the time since when.
     pub elsewhere: Option<(Box<Opening>, String)>,
     /// Save dialog.
@@ -56,23 +56,23 @@ impl Dialogs {
             form.writing = None;
             return Some(&mut form.failure);
         }
-        self.leaving.as_mut().map(|draft| &mut draft.failure)
+        self.pending.as_mut().map(|draft| &mut draft.failure)
     }
 }
 
 /// Action that closes the session or its connection, until it is confirmed.
 #[derive(Debug)]
-pub(crate) struct LeavingDraft {
-    pub(crate) leaving: Leaving,
+pub(crate) struct PendingActionDraft {
+    pub(crate) action: PendingAction,
     pub(crate) failure: Option<String>,
     /// Whether the operator agrees to disconnect an armed controller.
     pub(crate) may_disarm: bool,
 }
 
-impl From<Leaving> for LeavingDraft {
-    fn from(leaving: Leaving) -> Self {
+impl From<PendingAction> for PendingActionDraft {
+    fn from(action: PendingAction) -> Self {
         Self {
-            leaving,
+            action,
             failure: None,
             may_disarm: false,
         }

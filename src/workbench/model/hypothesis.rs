@@ -124,7 +124,8 @@ impl HypothesisDraft {
     /// Stores a preview if it belongs to the present text.
     pub(crate) fn take_preview(
         &mut self,
-        (text, inputs): (String, Option<u64>),
+        text: String,
+        inputs: Option<u64>,
         result: Result<PreviewResult, String>,
     ) {
         if text == self.text {

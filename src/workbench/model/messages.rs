@@ -73,6 +73,10 @@ impl Messages {
         self.log(Severity::Info, text);
     }
 
+    pub fn warnings(&mut self, texts: impl IntoIterator<Item = String>) {
+        texts.into_iter().for_each(|text| self.warning(text));
+    }
+
     pub fn warning(&mut self, text: impl Into<String>) {
         self.log(Severity::Warning, text);
     }

@@ -247,8 +247,8 @@ impl Model {
     /// Controller values, or without a connection those recorded in the session, beside the identified ones; empty
     /// without a current identification. Recomputed only after a change.
     pub fn review(&self) -> Arc<Review> {
-        let open = self.open.as_ref().filter(|open| open.fit_is_current());
-        let Some((open, fit)) = open.and_then(|open| Some((open, open.fit()?))) else {
+        let open = self.open.as_ref();
+        let Some((open, fit)) = open.and_then(|open| Some((open, open.current_fit()?))) else {
             return Arc::default();
         };
         let is_connected = self.link.is_connected();
@@ -288,22 +288,30 @@ impl Model {
     pub fn undecidable(&self) -> Option<&'static str> {
         let session = self.open.as_ref()?.session();
         let until = &session.settings.until;
-        let kind = self
-            .link
-            .connected
-            .as_ref()
-            .map(|connected| connected.rig.kind);
         if !until.enabled {
             None
         } else if until.goals.is_empty() {
             Some("Choose at least one goal.")
         } else if until.only_planned && planned_poses(session).is_empty() {
             Some("Plan poses, or let any pose of the workspace be measured.")
-        } else if kind == Some(RobotKind::Recording) {
+        } else if self.robot_kind() == Some(RobotKind::Recording) {
             Some("A recording cannot go to other poses than its own.")
         } else {
             None
         }
+    }
+
+    /// Kind of the connected robot.
+    #[must_use]
+    pub fn robot_kind(&self) -> Option<RobotKind> {
+        self.link.connected.as_ref().map(|one| one.rig.kind)
+    }
+
+    /// Open session, if it has measured poses.
+    #[must_use]
+    pub fn measured(&self) -> Option<&OpenSession> {
+        let open = self.open.as_ref();
+        open.filter(|open| !open.session().measurements.is_empty())
     }
 
     /// Last adjustment, if it can be rolled back.
@@ -315,8 +323,8 @@ impl Model {
     /// Whether no robot is connected, or the one that the session simulates.
     #[must_use]
     pub fn is_true_to_session(&self) -> bool {
-        let connected = self.link.connected.as_ref();
-        connected.is_none_or(|connected| connected.rig.kind == RobotKind::OfSession)
+        self.robot_kind()
+            .is_none_or(|kind| kind == RobotKind::OfSession)
     }
 
     /// Index of the first session that can be recovered.

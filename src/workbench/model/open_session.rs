@@ -31,13 +31,6 @@ static NUMBERS: AtomicU64 = AtomicU64::new(0);
 /// Largest number of stored diagnoses, so that undoing an edit brings back the diagnosis of that model.
 const KEPT_DIAGNOSES: usize = 8;
 
-/// Result with the number of its inputs.
-#[derive(Debug, Clone)]
-pub struct Computed<T> {
-    value: Arc<T>,
-    inputs: u64,
-}
-
 /// Diagnosis with its plots.
 #[derive(Debug)]
 pub struct PlottedDiagnosis {
@@ -132,7 +125,9 @@ pub struct OpenSession {
     lasting: u64,
     saved: Option<Content>,
     stored: StoredFit,
-    fit: Option<Computed<Identification>>,
+    fit: Option<Arc<Identification>>,
+    /// Revision of the inputs of the fit.
+    fit_inputs: u64,
     diagnoses: Vec<DiagnosisOfModel>,
     /// Number of the data for each number of inputs; data are the inputs other than the effects of the model.
     data: BTreeMap<u64, u64>,
@@ -160,6 +155,7 @@ impl OpenSession {
             lasting: 0,
             saved,
             fit: None,
+            fit_inputs: inputs,
             diagnoses: Vec::new(),
             data: [(inputs, inputs)].into(),
             calibration: OnceLock::new(),
@@ -345,9 +341,7 @@ impl OpenSession {
     }
 
     pub fn add_result(&mut self, result: ResultRecord) {
-        self.session.add_result(result);
-        self.revision += 1;
-        self.lasting += 1;
+        self.record(|session| session.add_result(result));
     }
 
     fn touch(&mut self, inputs: &InputRevision) {
@@ -420,17 +414,16 @@ impl OpenSession {
     /// Stores the identification of the inputs of this number.
     pub fn set_fit(&mut self, fit: Identification, inputs: u64) {
         self.stored = StoredFit::None;
-        self.fit = Some(Computed {
-            value: Arc::new(fit),
-            inputs,
-        });
+        self.fit = Some(Arc::new(fit));
+        self.fit_inputs = inputs;
     }
 
     /// Stores the diagnosis of a model with these effects and the inputs of this number.
     pub fn set_diagnosis(
         &mut self,
         result: PlottedDiagnosis,
-        (inputs, effects): (u64, Vec<EffectSetting>),
+        inputs: u64,
+        effects: Vec<EffectSetting>,
     ) {
         self.diagnoses.retain(|one| one.inputs != inputs);
         if self.diagnoses.len() == KEPT_DIAGNOSES {
@@ -446,7 +439,13 @@ impl OpenSession {
     /// Last identification, even if out of date.
     #[must_use]
     pub fn fit(&self) -> Option<&Arc<Identification>> {
-        self.fit.as_ref().map(|computed| &computed.value)
+        self.fit.as_ref()
+    }
+
+    /// The fit, if it is of the present inputs.
+    #[must_use]
+    pub fn current_fit(&self) -> Option<&Arc<Identification>> {
+        self.fit.as_ref().filter(|_| self.fit_is_current())
     }
 
     /// Diagnosis of the present model; if there is none, the last one, which is out of date.
@@ -475,9 +474,7 @@ impl OpenSession {
     /// Whether the last identification belongs to the present inputs.
     #[must_use]
     pub fn fit_is_current(&self) -> bool {
-        self.fit
-            .as_ref()
-            .is_some_and(|computed| computed.inputs == self.inputs)
+        self.fit.is_some() && self.fit_inputs == self.inputs
     }
 
     /// Whether a diagnosis applies: of the present inputs, or of the same data with only its proposals added since.

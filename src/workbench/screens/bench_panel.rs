@@ -2,7 +2,6 @@
 //! fitted values to the robot.
 
 use egui::Ui;
-use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_session::{PhaseData, Session};
 
@@ -11,9 +10,7 @@ use crate::model::edit::Edit;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{
-    Cell, Import, RowsEdit, Verdict, heading, import_row, muted, primary, verdict,
-};
+use crate::widgets::{Cell, Import, Rows, RowsEdit, UiExt, Verdict, import_row, primary, rows};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::fixed;
@@ -56,8 +53,8 @@ impl<'a> Bench<'a> {
         model: &'a Model,
         outbox: &'a mut Outbox,
     ) -> Option<Self> {
-        heading(ui, title);
-        muted(ui, purpose);
+        ui.heading(title);
+        ui.muted(purpose);
         let open = model.open.as_ref()?;
         Some(Self {
             open,
@@ -92,10 +89,15 @@ impl<'a> Bench<'a> {
     /// Applies an edit of the tables, or reports an error of the input.
     pub fn edit_rows(
         &mut self,
-        noun: &str,
-        edit: RowsEdit,
+        ui: &mut Ui,
+        editor: &Rows<'_>,
+        draft: &mut String,
         change: impl FnOnce(&mut PhaseData, RowsEdit),
     ) {
+        let noun = editor.noun.to_lowercase();
+        let Some(edit) = rows(ui, editor, draft) else {
+            return;
+        };
         let what = match &edit {
             RowsEdit::Wrong(message) => return self.refuse(message.clone()),
             RowsEdit::Set(row, ..) => format!("change {noun} {}", row + 1),
@@ -111,12 +113,12 @@ impl<'a> Bench<'a> {
     /// Draws the step that applies fitted values to the robot; `what` is its name in the undo menu.
     pub fn propose(&mut self, ui: &mut Ui, proposal: &Proposal, button: &str, what: &str) {
         for sentence in &proposal.left_out {
-            verdict(ui, Verdict::Doubtful, &format!("{sentence}."));
+            ui.doubtful(&format!("{sentence}."));
         }
         match &proposal.robot {
-            Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+            Err(message) => ui.bad(&format!("{message}.")),
             Ok(_) if proposal.is_used && proposal.left_out.is_empty() => {
-                muted(ui, "These values are applied.");
+                ui.muted("These values are applied.");
             }
             Ok(robot) => {
                 if primary(ui, button, !proposal.is_used).clicked() {
@@ -203,15 +205,9 @@ impl<'a> Bench<'a> {
 }
 
 pub fn verdict_cell(ui: &Ui, passed: bool) -> Cell {
-    let palette = theme::of(ui);
-    if passed {
-        Cell::new("passed")
-            .with_icon(icons::ICON_CHECK_CIRCLE)
-            .coloured(palette.good)
-    } else {
-        Cell::new("failed")
-            .with_icon(icons::ICON_ERROR)
-            .coloured(palette.bad)
+    match passed {
+        true => Cell::verdict(ui, Verdict::Good, "passed"),
+        false => Cell::verdict(ui, Verdict::Bad, "failed"),
     }
 }
 

@@ -1,10 +1,11 @@
 //! Footer of a phase: its state, the next step, and the one after it.
 
-use egui::{Align, Button, Label, Layout, ProgressBar, RichText, Role, Ui, WidgetInfo, vec2};
+use egui::{Align, Button, Layout, ProgressBar, RichText, Role, Ui, WidgetInfo, vec2};
 
 use crate::model::command::Outbox;
 use crate::model::next_step::{Action, KEYS, NextStep};
 use crate::theme::{self, GRID};
+use crate::widgets::UiExt;
 
 pub fn show(ui: &mut Ui, step: NextStep, outbox: &mut Outbox) {
     let palette = theme::of(ui);
@@ -12,7 +13,7 @@ pub fn show(ui: &mut Ui, step: NextStep, outbox: &mut Outbox) {
     ui.horizontal_top(|ui| {
         let icon = step.progress.icon().rich_text().size(16.0);
         ui.label(icon.color(palette.progress(step.progress)));
-        ui.add(Label::new(full_stop(&step.done)).wrap());
+        ui.wrapped(full_stop(&step.done));
     });
     if let Some(share) = step.share {
         ui.add(ProgressBar::new(share).desired_height(1.5 * GRID));
@@ -22,7 +23,7 @@ pub fn show(ui: &mut Ui, step: NextStep, outbox: &mut Outbox) {
     }
     if !step.then.is_empty() {
         let then = RichText::new(&step.then).small().color(palette.muted);
-        ui.add(Label::new(then).wrap());
+        ui.wrapped(then);
     }
 }
 

@@ -16,7 +16,7 @@ use crate::model::Model;
 use crate::model::command::{DRAWING, HypothesisCommand, Outbox, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
-use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button};
 
 /// Smallest width and height of a card (points).
 const CARD: f32 = 250.0;
@@ -42,10 +42,10 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let known = known.filter(|(of, _)| Some(of) == robot.as_ref());
     Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
         let gallery = known.and_then(|(_, result)| result.as_ref().ok());
-        head(ui, model, (panel, gallery), outbox);
+        head(ui, model, panel, gallery, outbox);
         match known.map(|(_, result)| result) {
             Some(Ok(gallery)) => contents(ui, gallery, panel, outbox),
-            Some(Err(why)) => verdict(ui, Verdict::Bad, why),
+            Some(Err(why)) => ui.bad(why),
             None => waiting(ui, model, outbox),
         }
     });
@@ -54,7 +54,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 fn head(
     ui: &mut Ui,
     model: &Model,
-    (panel, gallery): (&mut PanelState, Option<&Arc<Gallery>>),
+    panel: &mut PanelState,
+    gallery: Option<&Arc<Gallery>>,
     outbox: &mut Outbox,
 ) {
     ui.horizontal(|ui| {
@@ -81,12 +82,9 @@ fn head(
             .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search effects"));
         if let Some(gallery) = gallery {
             let poses = count(gallery.poses, "pose");
-            muted(ui, &format!("{} at {poses}.", gallery.robot.name));
+            ui.muted(&format!("{} at {poses}.", gallery.robot.name));
         }
-        muted(
-            ui,
-            "Residuals of a model that does not know the effect: at a typical size, without noise, in standard deviations. Noise hides what is in the band.",
-        );
+        ui.muted("Residuals of a model that does not know the effect: at a typical size, without noise, in standard deviations. Noise hides what is in the band.");
     });
     ui.add_space(2.0 * GRID);
 }
@@ -95,10 +93,7 @@ fn waiting(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     if !model.tasks.runs(DRAWING) {
         outbox.send(HypothesisCommand::DrawGallery);
     }
-    ui.horizontal(|ui| {
-        ui.spinner();
-        muted(ui, "Simulating each effect on this robot…");
-    });
+    ui.busy("Simulating each effect on this robot…");
 }
 
 fn contents(ui: &mut Ui, gallery: &Gallery, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -163,7 +158,7 @@ fn without_picture(ui: &mut Ui, empty: &[&Signature], panel: &mut PanelState) {
                 ui.horizontal_wrapped(|ui| {
                     name(ui, one.effect, panel);
                     if let Err(why) = &one.images {
-                        muted(ui, why);
+                        ui.muted(why);
                     }
                 });
             }
@@ -187,7 +182,7 @@ fn name(ui: &mut Ui, effect: &Effect, panel: &mut PanelState) {
 /// Cards in rows; only visible ones are drawn.
 fn cards(ui: &mut Ui, shown: &[&Signature], panel: &mut PanelState) {
     if shown.is_empty() {
-        muted(ui, "No effect with a picture has this name.");
+        ui.muted("No effect with a picture has this name.");
         return;
     }
     let space = 2.0 * GRID;
@@ -241,25 +236,25 @@ fn card(ui: &mut Ui, signature: &Signature, size: egui::Vec2, panel: &mut PanelS
 
 fn in_full(ui: &mut Ui, gallery: &Gallery, signature: &Signature, outbox: &mut Outbox) {
     let effect = signature.effect;
-    ui.add(Label::new(RichText::new(effect.title()).font(theme::strong(15.0))).wrap());
+    ui.wrapped(RichText::new(effect.title()).font(theme::strong(15.0)));
     ui.add_space(GRID);
-    ui.add(Label::new(&signature.cause).wrap());
-    section(ui, "Workshop");
-    ui.add(Label::new(&signature.workshop).wrap());
+    ui.wrapped(&signature.cause);
+    ui.section("Workshop");
+    ui.wrapped(&signature.workshop);
     if let Some(check) = effect.check() {
-        section(ui, "Check");
-        ui.add(Label::new(check).wrap());
+        ui.section("Check");
+        ui.wrapped(check);
     }
-    section(ui, "Residuals");
+    ui.section("Residuals");
     match &signature.images {
         Err(why) => {
-            muted(ui, why);
+            ui.muted(why);
         }
         Ok(images) => {
-            muted(ui, &format!("Size: {}", signature.size));
+            ui.muted(&format!("Size: {}", signature.size));
             for image in images {
                 ui.add_space(GRID);
-                muted(ui, &image.name);
+                ui.muted(&image.name);
                 let name = format!("{} of {}", image.name, effect.title());
                 small::show(ui, &name, &image.figure, LARGE_PLOT, Selection::default());
             }

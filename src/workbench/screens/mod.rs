@@ -51,13 +51,13 @@ pub struct PanelStates {
 }
 
 /// Session, screen, and half of the panel of the identification.
-type VisitKey = (Option<u64>, Screen, identification::Half);
+type VisitKey = (Option<u64>, Screen, identification::IdentificationTab);
 
 impl PanelStates {
     /// Number of screen changes, which is part of the ids of scroll areas, so that each screen begins at its top.
     pub fn visit(&mut self, model: &Model) -> u64 {
         let session = model.open.as_ref().map(OpenSession::id);
-        let shown = Some((session, model.screen, self.identification.half));
+        let shown = Some((session, model.screen, self.identification.tab));
         self.visits += u64::from(shown != self.shown);
         self.shown = shown;
         self.visits
@@ -72,7 +72,7 @@ pub fn phase(
     outbox: &mut Outbox,
     phase: Phase,
 ) {
-    if let Some(step) = next_step::of(model, phase, panels.measuring.poses()) {
+    if let Some(step) = next_step::of(model, phase, panels.measuring.poses) {
         let frame = Frame::new().inner_margin(Margin {
             top: 2 * GRID as i8,
             ..Margin::ZERO

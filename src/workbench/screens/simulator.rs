@@ -10,9 +10,7 @@ use crate::model::comparison::SimulatorComparison;
 use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{
-    Cell, TableColumn, Verdict, choice, empty, heading, muted, page, table, verdict,
-};
+use crate::widgets::{Cell, TableColumn, UiExt, choice, page, table};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -25,9 +23,9 @@ const WIDTH: f32 = 860.0;
 const PLOT: f32 = 280.0;
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    page(ui, (WIDTH, 4.0 * GRID), |ui| {
+    page(ui, WIDTH, 4.0 * GRID, |ui| {
         ui.horizontal(|ui| {
-            heading(ui, "Simulator and machine");
+            ui.heading("Simulator and machine");
             if ui.button("Choose readings…").clicked() {
                 outbox.send(CompareCommand::AskSimulator);
             }
@@ -35,30 +33,19 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
                 outbox.send(ViewCommand::Go(model.previous_screen()));
             }
         });
-        muted(
-            ui,
-            "Drive your simulator to the poses of this session and save its readings in the columns of poses.csv: pose, x_m to qz, and \
-             length_1_m, force_1_n, laser_m or others.",
-        );
+        ui.muted("Drive your simulator to the poses of this session and save its readings in the columns of poses.csv: pose, x_m to qz, and \
+             length_1_m, force_1_n, laser_m or others.");
         ui.add_space(2.0 * GRID);
         let session = model.open.as_ref().map(OpenSession::id);
         let of_session = |one: &&SimulatorComparison| Some(one.session) == session;
-        match model
-            .comparison
-            .simulator
-            .as_ref()
-            .filter(of_session)
-            .map(|one| (&one.file, &one.result))
-        {
+        let compared = model.comparison.simulator.as_ref().filter(of_session);
+        match compared.map(|one| (&one.file, &one.result)) {
             Some((file, Ok(replay))) => {
                 let document = replay.document();
-                muted(ui, &format!("{file}: {} poses", document.poses));
+                ui.muted(&format!("{file}: {} poses", document.poses));
                 readings(ui, &document.readings);
-                for reading in document
-                    .readings
-                    .iter()
-                    .filter(|one| !one.causes.is_empty())
-                {
+                let read = document.readings.iter();
+                for reading in read.filter(|one| !one.causes.is_empty()) {
                     ui.label(reading.explained());
                 }
                 for text in document.sentences() {
@@ -84,11 +71,11 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
                     outbox.send(ViewCommand::Select(selection));
                 }
             }
-            Some((_, Err(error))) => verdict(ui, Verdict::Bad, error),
+            Some((_, Err(error))) => ui.bad(error),
             None if model.tasks.runs(COMPARING) => {
                 ui.spinner();
             }
-            None => empty(ui, "No readings of a simulator are chosen."),
+            None => ui.empty("No readings of a simulator are chosen."),
         }
     });
 }
@@ -102,5 +89,5 @@ fn readings(ui: &mut Ui, readings: &[ReplayedReading]) {
         .iter()
         .map(|reading| reading.cells().map(Cell::new).into());
     table(ui, &columns, &rows.collect::<Vec<_>>(), None);
-    muted(ui, "Errors, root mean square.");
+    ui.muted("Errors, root mean square.");
 }

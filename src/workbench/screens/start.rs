@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Label, Layout, Response, RichText, Ui};
+use egui::{Align, Button, Layout, Response, RichText, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::model::command::{
 };
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{COLUMN, icon_button, icon_only, muted, page, path_field, primary, section};
+use crate::widgets::{COLUMN, UiExt, icon_button, icon_only, page, path_field, primary};
 use tautline_workflow::plot::outline::OUTLINE_SIZE;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
@@ -39,12 +39,9 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let is_wide = ui.available_width() >= WIDE;
     let above = (ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID);
     let width = if is_wide { COLUMNS } else { COLUMN };
-    page(ui, (width, above), |ui| {
+    page(ui, width, above, |ui| {
         ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
-        muted(
-            ui,
-            "Identify the pulleys of a cable robot and diagnose its model.",
-        );
+        ui.muted("Identify the pulleys of a cable robot and diagnose its model.");
         ui.add_space(4.0 * GRID);
         unsaved_sessions(ui, model, panel, outbox);
         if is_wide {
@@ -66,7 +63,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 
 fn things_to_do(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     begin(ui, model, outbox);
-    section(ui, "Open a session, a robot.json or a dataset folder");
+    ui.section("Open a session, a robot.json or a dataset folder");
     open(ui, panel, outbox);
     new_robot(ui, outbox);
     compare(ui, outbox);
@@ -88,10 +85,7 @@ fn begin(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         if demo.clicked() {
             outbox.send(FileCommand::TryDemo);
         }
-        muted(
-            ui,
-            "A simulated robot with a hidden fault; takes five minutes.",
-        );
+        ui.muted("A simulated robot with a hidden fault; takes five minutes.");
     });
 }
 
@@ -100,8 +94,8 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         // Leaves room for both buttons.
         let width = (ui.available_width() - 190.0).clamp(120.0, 400.0);
-        let names = ("Path", "Path, or drop a file on the window");
-        let entered = path_field(ui, names, path, width);
+        let hint = "Path, or drop a file on the window";
+        let entered = path_field(ui, "Path", hint, path, width);
         let typed = !path.trim().is_empty();
         if (ui.add_enabled(typed, Button::new("Open")).clicked() || entered) && typed {
             outbox.send(FileCommand::Open(PathBuf::from(path.trim())));
@@ -113,7 +107,7 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
 }
 
 fn new_robot(ui: &mut Ui, outbox: &mut Outbox) {
-    section(ui, "New robot");
+    ui.section("New robot");
     template_buttons(ui, outbox);
 }
 
@@ -162,7 +156,7 @@ fn compare(ui: &mut Ui, outbox: &mut Outbox) {
             if icon_button(ui, icon, title, true).clicked() {
                 outbox.send(command);
             }
-            muted(ui, purpose);
+            ui.muted(purpose);
         });
     }
 }
@@ -188,7 +182,7 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
         ui.horizontal(|ui| {
             let poses = count(left.poses, "pose");
             ui.label(&left.name);
-            muted(ui, &format!("{poses}, {}", date_and_time(left.when)));
+            ui.muted(&format!("{poses}, {}", date_and_time(left.when)));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let name = format!("Discard {}", left.name);
                 let discard = ui.button("Discard").on_hover_text(
@@ -210,7 +204,7 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
             });
         });
         if let Some(problem) = &left.problem {
-            muted(ui, &problem.to_string());
+            ui.muted(&problem.to_string());
         }
     }
     let more = model.unsaved_sessions.len().saturating_sub(shown);
@@ -224,7 +218,7 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     if model.preferences.recent().is_empty() {
         return;
     }
-    section(ui, "Recent sessions");
+    ui.section("Recent sessions");
     for recent in model.preferences.recent() {
         let there = recent.exists();
         let facts = recent_facts(recent);
@@ -241,7 +235,7 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
                 }
                 ui.with_layout(Layout::top_down(Align::Min), |ui| {
                     let hint = folder.display().to_string();
-                    if entry(ui, (&recent.name, &facts), &recent.outline, there)
+                    if entry(ui, &recent.name, &facts, &recent.outline, there)
                         .on_hover_text(hint)
                         .clicked()
                     {
@@ -260,25 +254,20 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     if found.is_empty() {
         return;
     }
-    section(ui, "Sample sessions");
+    ui.section("Sample sessions");
     for sample in found.iter() {
         let facts = match sample.facts.as_str() {
             "" => sample.shows.clone(),
             facts => format!("{} {}.", sample.shows, sentence(facts)),
         };
-        if entry(ui, (&sample.title, &facts), &sample.outline, true).clicked() {
+        if entry(ui, &sample.title, &facts, &sample.outline, true).clicked() {
             outbox.send(FileCommand::Open(sample.session.clone()));
         }
     }
 }
 
 /// Entry of a session: name, small picture of its robot, and details.
-fn entry(
-    ui: &mut Ui,
-    (name, facts): (&str, &str),
-    outline: &[[i16; 4]],
-    enabled: bool,
-) -> Response {
+fn entry(ui: &mut Ui, name: &str, facts: &str, outline: &[[i16; 4]], enabled: bool) -> Response {
     let palette = theme::of(ui);
     let colour = if enabled {
         palette.accent
@@ -294,7 +283,7 @@ fn entry(
             let name = RichText::new(name).font(theme::strong(13.0)).color(colour);
             let button = Button::new(name).frame_when_inactive(false).wrap();
             let entry = ui.add_enabled(enabled, button);
-            ui.add(Label::new(RichText::new(facts).color(palette.muted)).wrap());
+            ui.wrapped(RichText::new(facts).color(palette.muted));
             ui.add_space(GRID);
             entry
         })

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{AskedRobot, Outbox, SIMULATING, StudyCommand, ViewCommand};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
+use crate::widgets::{UiExt, checkbox, form};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -68,13 +68,13 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
             ui.horizontal(|ui| {
-                heading(ui, "Which sensor?");
-                muted(ui, &format!("for {}", asked.robot.name));
+                ui.heading("Which sensor?");
+                ui.muted(&format!("for {}", asked.robot.name));
                 if ui.button("Back").clicked() {
                     outbox.send(ViewCommand::Go(model.previous_screen()));
                 }
             });
-            muted(ui, "The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");
+            ui.muted("The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");
             ui.add_space(2.0 * GRID);
             let running = model.tasks.runs(SIMULATING);
             contents(ui, asked, running, outbox);
@@ -85,7 +85,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 fn contents(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     if asked.question.is_none() {
         if let Err(error) = &asked.advisor {
-            verdict(ui, Verdict::Bad, error);
+            ui.bad(error);
         }
         return;
     }
@@ -114,7 +114,7 @@ fn contents(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut
         ui.vertical(|ui| match answer {
             Ok(answer) => answered(ui, question, answer, height),
             Err(error) => {
-                verdict(ui, Verdict::Bad, error);
+                ui.bad(error);
             }
         });
     });
@@ -130,7 +130,7 @@ fn asking(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut O
 /// Step that starts a study of the question in a folder.
 fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &mut Outbox) {
     ui.add_space(2.0 * GRID);
-    section(ui, "Simulation");
+    ui.section("Simulation");
     let Some(question) = asked.question else {
         return;
     };
@@ -154,57 +154,36 @@ fn simulation(ui: &mut Ui, asked: &mut SensorQuestion, running: bool, outbox: &m
         let folder = asked.folder.trim().into();
         outbox.send(StudyCommand::Simulate(draft(), folder));
     }
-    muted(
-        ui,
-        "Simulates 400 calibrations for each combination of laser and number of poses, and writes a report. To add faults or \
-         other robots, edit the study.toml in this folder and use the command study.",
-    );
+    ui.muted("Simulates 400 calibrations for each combination of laser and number of poses, and writes a report. To add faults or \
+         other robots, edit the study.toml in this folder and use the command study.");
 }
 
+/// Largest value of all sliders, in their units.
+const MOST: f64 = 10.0;
+
 fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
-    section(ui, "Instruments");
-    Grid::new("which sensor")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            if let Some(laser) = robot.laser {
-                optional(
-                    ui,
-                    "Laser",
-                    (&mut question.laser_sd_m, laser.sd_m),
-                    ([0.02, 10.0], 1e3, "mm"),
-                );
-            }
-            let label = ui.label("Poses");
-            ui.add(Slider::new(&mut question.poses, 3..=MOST_POSES).logarithmic(true))
-                .labelled_by(label.id);
+    ui.section("Instruments");
+    form("which sensor").show(ui, |ui| {
+        if let Some(laser) = robot.laser {
+            let sd_m = &mut question.laser_sd_m;
+            optional(ui, "Laser", sd_m, laser.sd_m, 0.02, "mm");
+        }
+        let label = ui.label("Poses");
+        ui.add(Slider::new(&mut question.poses, 3..=MOST_POSES).logarithmic(true))
+            .labelled_by(label.id);
+        ui.end_row();
+        if robot.home.is_some_and(|home| home.position_sd_m > 0.0) {
+            let label = ui.label("Home position");
+            slider(ui, label.id, &mut question.home_sd_m, 0.005, "mm");
             ui.end_row();
-            if robot.home.is_some_and(|home| home.position_sd_m > 0.0) {
-                let label = ui.label("Home position");
-                millimetres(
-                    ui,
-                    label.id,
-                    &mut question.home_sd_m,
-                    ([0.005, 10.0], 1e3, "mm"),
-                );
-                ui.end_row();
-            }
-            optional(
-                ui,
-                "Inclinometer",
-                (&mut question.inclinometer_sd_rad, 1e-3),
-                ([0.02, 10.0], 1e3, "mrad"),
-            );
-        });
+        }
+        let sd_rad = &mut question.inclinometer_sd_rad;
+        optional(ui, "Inclinometer", sd_rad, 1e-3, 0.02, "mrad");
+    });
 }
 
 /// Optional instrument with its default description.
-fn optional(
-    ui: &mut Ui,
-    name: &str,
-    (value, usual): (&mut Option<f64>, f64),
-    unit: ([f64; 2], f64, &str),
-) {
+fn optional(ui: &mut Ui, name: &str, value: &mut Option<f64>, usual: f64, least: f64, unit: &str) {
     let mut is_there = value.is_some();
     let label = checkbox(ui, &mut is_there, name);
     match (is_there, value.is_some()) {
@@ -213,43 +192,35 @@ fn optional(
         _ => {}
     }
     match value {
-        Some(value) => millimetres(ui, label.id, value, unit),
+        Some(value) => slider(ui, label.id, value, least, unit),
         None => {
-            muted(ui, "none");
+            ui.muted("none");
         }
     }
     ui.end_row();
 }
 
-fn millimetres(
-    ui: &mut Ui,
-    label: egui::Id,
-    value: &mut f64,
-    ([low, high], scale, unit): ([f64; 2], f64, &str),
-) {
-    let mut shown = *value * scale;
-    let slider = Slider::new(&mut shown, low..=high)
+fn slider(ui: &mut Ui, label: egui::Id, value: &mut f64, least: f64, unit: &str) {
+    let mut shown = *value * 1e3;
+    let slider = Slider::new(&mut shown, least..=MOST)
         .logarithmic(true)
         .suffix(format!(" {unit}"));
     let slider = slider.custom_formatter(|value, _| significant(value, 2));
     if ui.add(slider).labelled_by(label).changed() {
-        *value = shown / scale;
+        *value = shown / 1e3;
     }
 }
 
 /// Answer in words, numbers and plots, with this total height.
 fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
     let top = ui.cursor().min.y;
-    section(ui, "Answer");
+    ui.section("Answer");
     ui.label(answer.sentence(question));
     if let Some(entry_m) = answer.entry_m {
-        muted(
-            ui,
-            &format!(
-                "Entry points: {} mm along each axis.",
-                significant(1e3 * entry_m, 2)
-            ),
-        );
+        ui.muted(&format!(
+            "Entry points: {} mm along each axis.",
+            significant(1e3 * entry_m, 2)
+        ));
     }
     ui.add_space(GRID);
     // Number of decimals that shows two digits of the smallest error.
@@ -284,32 +255,23 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
             .over_laser
             .iter()
             .map(|(sd, error)| (1e3 * sd, *error));
-        let figure = figure(("Laser, 1 sd", "mm"), line, at(1e3 * sd_m));
-        small::show(
-            ui,
-            "Position error over the laser",
-            &figure,
-            each,
-            Selection::default(),
-        );
+        let figure = figure("Laser, 1 sd", "mm", line, at(1e3 * sd_m));
+        let name = "Position error over the laser";
+        small::show(ui, name, &figure, each, Selection::default());
     }
     let line = answer
         .over_poses
         .iter()
         .map(|(poses, error)| (*poses as f64, *error));
-    let figure = figure(("Poses", ""), line, at(question.poses as f64));
-    small::show(
-        ui,
-        "Position error over the number of poses",
-        &figure,
-        each,
-        Selection::default(),
-    );
+    let figure = figure("Poses", "", line, at(question.poses as f64));
+    let name = "Position error over the number of poses";
+    small::show(ui, name, &figure, each, Selection::default());
 }
 
 /// Plot with logarithmic axes, with a mark at the position of the sliders.
 fn figure(
-    (label, unit): (&str, &'static str),
+    label: &str,
+    unit: &'static str,
     line: impl Iterator<Item = (f64, Option<f64>)>,
     marked: Option<(f64, f64)>,
 ) -> Figure {

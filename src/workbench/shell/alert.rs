@@ -1,11 +1,12 @@
 //! Alert with the last error, in the lower left corner, until it is dismissed or its cause is resolved.
 
-use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Stroke, Ui, Vec2};
+use egui::{Align2, Area, Frame, Id, Margin, Order, Stroke, Ui, Vec2};
 use egui_material_icons::icons;
 
 use super::AppState;
 use crate::model::command::{FileCommand, ViewCommand};
 use crate::theme::{self, GRID};
+use crate::widgets::UiExt;
 
 /// Greatest width of the text (points).
 const WIDTH: f32 = 560.0;
@@ -31,7 +32,7 @@ pub fn show(ui: &Ui, state: &mut AppState) {
                 ui.label(icons::ICON_ERROR.rich_text().size(18.0).color(palette.bad));
                 ui.scope(|ui| {
                     ui.set_max_width(width);
-                    ui.add(Label::new(&alert.text).wrap());
+                    ui.wrapped(&alert.text);
                 });
                 let elsewhere = state.model.messages.failed_to_save() && state.model.open.is_some();
                 if elsewhere && ui.button("Save as…").clicked() {

@@ -1,6 +1,6 @@
 //! Form for the certificate: statements besides the results, instruments of the workshop, missing entries.
 
-use egui::{ComboBox, Grid, TextEdit, Ui};
+use egui::{ComboBox, Ui};
 use tautline_core::robot::Robot;
 use tautline_session::{CalibratedInstrument, CertificateDetails, DecisionRule};
 use tautline_workflow::report::missing_details;
@@ -9,7 +9,7 @@ use tautline_workflow::wording::list;
 
 use crate::model::command::{ReportDraft, WorkshopInstrument};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, checkbox, muted, number, section};
+use crate::widgets::{self, Entered, Number, UiExt, checkbox, number, text_row};
 
 /// Width of a text field (points).
 const FIELD: f32 = 290.0;
@@ -18,102 +18,73 @@ const DATE: &str = "2026-11-28";
 
 /// Draws the fields of the certificate in the report dialog.
 pub fn form(ui: &mut Ui, draft: &mut ReportDraft, robot: &Robot) {
-    section(ui, "Certificate");
-    Grid::new("certificate")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            let details = &mut draft.details;
-            for (name, text, hint) in [
-                ("Number", &mut details.number, "None: a report"),
-                ("Laboratory", &mut details.laboratory, "Name and address"),
-                ("Country", &mut details.country, "Two letters, such as DE"),
-                ("Measured at", &mut details.place, "Place"),
-                ("Measured from", &mut details.measured_from, DATE),
-                ("Measured to", &mut details.measured_to, DATE),
-                (
-                    "Maker of the robot",
-                    &mut details.manufacturer,
-                    "Not stated",
-                ),
-                (
-                    "Operation",
-                    &mut details.operation,
-                    "Load, speed, time of warming up",
-                ),
-            ] {
-                field(ui, name, text, hint);
-            }
-            conditions(ui, details);
-            let label = ui.label("Decision rule");
-            let rule = ComboBox::from_id_salt("decision rule")
-                .width(FIELD)
-                .selected_text(rule_name(details.decision_rule))
-                .show_ui(ui, |ui| {
-                    for rule in DecisionRule::ALL {
-                        ui.selectable_value(&mut details.decision_rule, rule, rule_name(rule));
-                    }
-                });
-            rule.response.labelled_by(label.id);
-            ui.end_row();
-        });
+    ui.section("Certificate");
+    widgets::form("certificate").show(ui, |ui| {
+        let details = &mut draft.details;
+        for (name, text, hint) in [
+            ("Number", &mut details.number, "None: a report"),
+            ("Laboratory", &mut details.laboratory, "Name and address"),
+            ("Country", &mut details.country, "Two letters, such as DE"),
+            ("Measured at", &mut details.place, "Place"),
+            ("Measured from", &mut details.measured_from, DATE),
+            ("Measured to", &mut details.measured_to, DATE),
+            (
+                "Maker of the robot",
+                &mut details.manufacturer,
+                "Not stated",
+            ),
+            (
+                "Operation",
+                &mut details.operation,
+                "Load, speed, time of warming up",
+            ),
+        ] {
+            text_row(ui, name, text, hint, FIELD);
+        }
+        conditions(ui, details);
+        let label = ui.label("Decision rule");
+        let rule = ComboBox::from_id_salt("decision rule")
+            .width(FIELD)
+            .selected_text(rule_name(details.decision_rule))
+            .show_ui(ui, |ui| {
+                for rule in DecisionRule::ALL {
+                    ui.selectable_value(&mut details.decision_rule, rule, rule_name(rule));
+                }
+            });
+        rule.response.labelled_by(label.id);
+        ui.end_row();
+    });
     instruments(ui, &mut draft.instruments);
     let missing = missing_details(&draft.chosen_details(), robot);
     if !missing.is_empty() {
         ui.add_space(GRID);
-        muted(ui, &format!("Not stated yet: {}.", list(&missing)));
+        ui.muted(&format!("Not stated yet: {}.", list(&missing)));
     }
-}
-
-fn field(ui: &mut Ui, name: &str, text: &mut String, hint: &str) {
-    let label = ui.label(name);
-    let field = TextEdit::singleline(text).hint_text(hint);
-    ui.add(field.desired_width(FIELD)).labelled_by(label.id);
-    ui.end_row();
 }
 
 /// Temperature, its uncertainty and the expansion of the frame.
 fn conditions(ui: &mut Ui, details: &mut CertificateDetails) {
-    let mut optional =
-        |name: &str, unit: &str, decimals: usize, factor: f64, value: &mut Option<f64>| {
-            ui.label(name);
-            let shown = Number {
-                name,
-                value: value.map(|si| factor * si),
-                decimals,
-                unit,
-                optional: true,
-                width: 90.0,
-            };
-            match ui.horizontal(|ui| number(ui, &shown)).inner {
-                Some(Entered::Nothing) => *value = None,
-                Some(Entered::Value(entered)) => *value = Some(entered / factor),
-                Some(Entered::Wrong(_)) | None => {}
-            }
-            ui.end_row();
-        };
-    optional("Temperature", "°C", 1, 1.0, &mut details.temperature_c);
-    optional(
-        "Its uncertainty",
-        "K",
-        1,
-        1.0,
-        &mut details.temperature_sd_k,
-    );
-    optional(
-        "Expansion",
-        "µm/(m K)",
-        1,
-        1e6,
-        &mut details.expansion_per_k,
-    );
+    let mut optional = |name: &str, unit: &str, factor: f64, value: &mut Option<f64>| {
+        ui.label(name);
+        let shown = Number::of(name, value.map(|si| factor * si), 1, unit, 90.0);
+        let field = shown.optional(true);
+        match ui.horizontal(|ui| number(ui, &field)).inner {
+            Some(Entered::Nothing) => *value = None,
+            Some(Entered::Value(entered)) => *value = Some(entered / factor),
+            Some(Entered::Wrong(_)) | None => {}
+        }
+        ui.end_row();
+    };
+    optional("Temperature", "°C", 1.0, &mut details.temperature_c);
+    optional("Its uncertainty", "K", 1.0, &mut details.temperature_sd_k);
+    optional("Expansion", "µm/(m K)", 1e6, &mut details.expansion_per_k);
 }
 
 /// Instruments of the workshop, with a check mark for those used.
 fn instruments(ui: &mut Ui, instruments: &mut Vec<WorkshopInstrument>) {
-    section(ui, "Instruments used");
+    ui.section("Instruments used");
     if instruments.is_empty() {
-        muted(ui, "None is entered yet. They are kept for all sessions.");
+        ui.muted("None is entered yet. They are kept for all sessions.");
     }
     let mut removed = None;
     for (index, one) in instruments.iter_mut().enumerate() {
@@ -150,23 +121,20 @@ fn instruments(ui: &mut Ui, instruments: &mut Vec<WorkshopInstrument>) {
 }
 
 fn details_of(ui: &mut Ui, instrument: &mut CalibratedInstrument) {
-    Grid::new("instrument")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            for (name, text, hint) in [
-                ("Name", &mut instrument.name, "Maker and type"),
-                ("Serial number", &mut instrument.serial_number, ""),
-                ("Certificate", &mut instrument.certificate, "Its number"),
-                ("Calibrated on", &mut instrument.calibrated_on, DATE),
-                ("Due on", &mut instrument.due_on, DATE),
-                (
-                    "Traceable to",
-                    &mut instrument.traceable_to,
-                    "Laboratory or national institute",
-                ),
-            ] {
-                field(ui, name, text, hint);
-            }
-        });
+    widgets::form("instrument").show(ui, |ui| {
+        for (name, text, hint) in [
+            ("Name", &mut instrument.name, "Maker and type"),
+            ("Serial number", &mut instrument.serial_number, ""),
+            ("Certificate", &mut instrument.certificate, "Its number"),
+            ("Calibrated on", &mut instrument.calibrated_on, DATE),
+            ("Due on", &mut instrument.due_on, DATE),
+            (
+                "Traceable to",
+                &mut instrument.traceable_to,
+                "Laboratory or national institute",
+            ),
+        ] {
+            text_row(ui, name, text, hint, FIELD);
+        }
+    });
 }

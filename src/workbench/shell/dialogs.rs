@@ -7,14 +7,14 @@ use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, HypothesisCommand, RobotCommand, WriteDraft};
 use crate::screens::adjustment::{identify_without, lines};
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, entered, heading, modal, muted, primary, verdict};
+use crate::widgets::{UiExt, entered, modal, primary};
 use tautline_workflow::wording::count;
 
 /// Draws the open dialog, if any.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
     // The save dialog is drawn above this one.
     if state.model.dialogs.save.is_none() {
-        leaving(ui, state);
+        pending_action(ui, state);
         unsaved_hypothesis(ui, state);
     }
     elsewhere(ui, state);
@@ -27,37 +27,33 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
 }
 
 /// Question about unsaved changes and about disconnecting an armed robot.
-fn leaving(ui: &mut Ui, state: &mut AppState) {
+fn pending_action(ui: &mut Ui, state: &mut AppState) {
     let AppState { model, outbox, .. } = state;
-    let Some(draft) = &model.dialogs.leaving else {
+    let Some(draft) = &model.dialogs.pending else {
         return;
     };
-    let is_unsaved = draft.leaving.ends_session() && model.is_unsaved();
-    let (answer, is_left) = modal(ui, ("leaving", 420.0), |ui| {
-        heading(
-            ui,
-            match is_unsaved {
-                true => "Save the changes?",
-                false => "Disconnect the armed robot?",
-            },
-        );
+    let is_unsaved = draft.action.ends_session() && model.is_unsaved();
+    let (answer, is_left) = modal(ui, "leaving", 420.0, |ui| {
+        ui.heading(match is_unsaved {
+            true => "Save the changes?",
+            false => "Disconnect the armed robot?",
+        });
         if is_unsaved {
             let name = model.open.as_ref().map_or("", |open| &open.session().name);
             ui.label(format!("{name} is not saved."));
         }
         if model.link.can_move() {
-            let text = format!(
+            ui.doubtful(&format!(
                 "{} is armed: it will be stopped and disconnected.",
                 model.link.identity
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
         if let Some(why) = &draft.failure {
-            verdict(ui, Verdict::Bad, why);
+            ui.bad(why);
         }
         ui.add_space(2.0 * GRID);
         let answers: &[(&str, Answer)] = match is_unsaved {
-            true if draft.leaving.keeps_session() => {
+            true if draft.action.keeps_session() => {
                 &[("Save", Answer::Save), ("Cancel", Answer::Cancel)]
             }
             true => &[
@@ -107,8 +103,8 @@ fn elsewhere(ui: &mut Ui, state: &mut AppState) {
     let Some((opening, since)) = &state.model.dialogs.elsewhere else {
         return;
     };
-    let (answer, is_left) = modal(ui, ("elsewhere", 460.0), |ui| {
-        heading(ui, &format!("Open in another window since {since}"));
+    let (answer, is_left) = modal(ui, "elsewhere", 460.0, |ui| {
+        ui.heading(&format!("Open in another window since {since}"));
         let text = "Two windows must not work with one session and its robot. What the other one has not saved stays there.";
         ui.label(format!("{}: {text}", opening.session.name));
         ui.add_space(2.0 * GRID);
@@ -129,17 +125,13 @@ fn elsewhere(ui: &mut Ui, state: &mut AppState) {
 /// Question about the unsaved text of a hypothesis.
 fn unsaved_hypothesis(ui: &mut Ui, state: &mut AppState) {
     let AppState { model, outbox, .. } = state;
-    let Some(draft) = model
-        .hypothesis
-        .draft
-        .as_ref()
-        .filter(|_| model.hypothesis.asking.is_some())
-    else {
+    let draft = model.hypothesis.draft.as_ref();
+    let Some(draft) = draft.filter(|_| model.hypothesis.asking.is_some()) else {
         return;
     };
     let into_session = draft.checked().is_ok() && model.open.is_some();
-    let (answer, is_left) = modal(ui, ("unsaved hypothesis", 420.0), |ui| {
-        heading(ui, "Save the hypothesis?");
+    let (answer, is_left) = modal(ui, "unsaved hypothesis", 420.0, |ui| {
+        ui.heading("Save the hypothesis?");
         ui.label(match into_session {
             true => "Its text is in no file and not in the session.",
             false => "Its text is in no file.",
@@ -169,8 +161,8 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
     let review = &draft.review;
     let open = state.model.open.as_ref();
     let cables = open.map_or(&[][..], |open| &open.session().robot.cables);
-    let (answer, is_left) = modal(ui, ("write values", 600.0), |ui| {
-        heading(ui, "Write these values?");
+    let (answer, is_left) = modal(ui, "write values", 600.0, |ui| {
+        ui.heading("Write these values?");
         let values = count(review.changes().count(), "value");
         let controller = &state.model.link.identity;
         ui.label(format!(
@@ -181,7 +173,7 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
             .max_height(height)
             .show(ui, |ui| lines(ui, review.changes(), cables));
         for doubt in &draft.doubts {
-            verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
+            ui.doubtful(&format!("{}.", doubt.sentence));
         }
         let is_sound = draft.doubts.is_empty();
         if !is_sound {
@@ -242,12 +234,12 @@ pub fn internal_error(ui: &mut Ui, model: &mut Model) {
         ui.set_width(640.0_f32.min(ui.available_width() - 8.0 * GRID));
         ui.add_space(ui.available_height() * 0.2);
         ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
-            heading(ui, "Internal error");
+            ui.heading("Internal error");
             ui.label("The session is unchanged and nothing that was measured is lost. A copy is in the folder");
             ui.label(RichText::new(folder.display().to_string()).font(theme::strong(13.0)));
             ui.label("and is offered for recovery at the next start.");
             ui.add_space(2.0 * GRID);
-            muted(ui, "Please report this:");
+            ui.muted("Please report this:");
             ui.add(egui::Label::new(RichText::new(&caught_panic.message).small()).wrap().selectable(true));
             ui.add_space(2.0 * GRID);
             ui.horizontal(|ui| {

@@ -48,8 +48,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         } else {
             phase(ui, state, current);
         }
-        let view = (&mut state.views.plots, &mut state.views.hovered);
-        views::plots::show_detached(ui, &state.model, view, &mut state.outbox);
+        let (panes, hovered) = (&mut state.views.plots, &mut state.views.hovered);
+        views::plots::show_detached(ui, &state.model, panes, hovered, &mut state.outbox);
     } else {
         let ground = Frame::new().fill(theme::of(ui).ground);
         let centre = CentralPanel::no_frame().frame(ground);
@@ -97,9 +97,9 @@ fn whole(ui: &mut Ui, state: &mut AppState) {
     match model.screen {
         Screen::Start => screens::start::show(ui, model, &mut panels.start, outbox),
         Screen::Compare => {
-            screens::compare::show(ui, model, (&mut panels.compare, views), outbox);
+            screens::compare::show(ui, model, &mut panels.compare, views, outbox);
         }
-        Screen::Record => screens::record::show(ui, model, (&mut panels.record, views), outbox),
+        Screen::Record => screens::record::show(ui, model, &mut panels.record, views, outbox),
         Screen::Simulator => {
             screens::simulator::show(ui, model, &mut panels.simulator, outbox);
         }
@@ -142,7 +142,7 @@ fn phase(ui: &mut Ui, state: &mut AppState, current: Phase) {
         range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
     };
     let panel = Panel::right("phase").frame(side);
-    let dragged = sized(ui, panel, (width, 0), |ui| panel_of(ui, state, current));
+    let dragged = sized(ui, panel, width, 0, |ui| panel_of(ui, state, current));
     if let Some(width) = dragged {
         state
             .model
@@ -167,7 +167,7 @@ fn phase(ui: &mut Ui, state: &mut AppState, current: Phase) {
         range: Rangef::new(140.0, (0.8 * height).max(150.0)),
     };
     let area = Panel::bottom("plots").frame(side);
-    let dragged = sized(ui, area, (size, 1), |ui| plots(ui, state));
+    let dragged = sized(ui, area, size, 1, |ui| plots(ui, state));
     if let Some(height) = dragged {
         state
             .model
@@ -238,6 +238,6 @@ fn robot(ui: &mut Ui, state: &mut AppState) {
 }
 
 fn plots(ui: &mut Ui, state: &mut AppState) {
-    let view = (&mut state.views.plots, &mut state.views.hovered);
-    views::plots::show(ui, &state.model, view, &mut state.outbox);
+    let (panes, hovered) = (&mut state.views.plots, &mut state.views.hovered);
+    views::plots::show(ui, &state.model, panes, hovered, &mut state.outbox);
 }

@@ -6,7 +6,7 @@ use tautline_workflow::wording::local_time::time_of_day;
 use super::state::AppState;
 use crate::model::messages::Severity;
 use crate::theme;
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 
 /// Draws the log while it is open.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .default_size([640.0, 360.0])
         .show(ui.ctx(), |ui| {
             if state.model.messages.all().is_empty() {
-                muted(ui, "Nothing has happened yet.");
+                ui.muted("Nothing has happened yet.");
             }
             ScrollArea::vertical()
                 .auto_shrink(false)
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                             Severity::Error => theme::of(ui).bad,
                         };
                         ui.horizontal_wrapped(|ui| {
-                            muted(ui, &time_of_day(message.time));
+                            ui.muted(&time_of_day(message.time));
                             ui.colored_label(colour, &message.text);
                         });
                     }

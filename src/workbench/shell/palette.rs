@@ -6,7 +6,7 @@ use super::menu::{self, MenuItem};
 use super::state::AppState;
 use super::top;
 use crate::model::command::ViewCommand;
-use crate::widgets::{modal, muted};
+use crate::widgets::{UiExt, modal};
 
 /// Draws the palette while it is open.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     let enabled = items.iter().filter(|item| item.enabled).count();
     let mut chosen = None;
     let before = text.clone();
-    let ((), is_left) = modal(ui, ("command palette", 480.0), |ui| {
+    let ((), is_left) = modal(ui, "command palette", 480.0, |ui| {
         let field = TextEdit::singleline(&mut text)
             .hint_text("Type a command")
             .desired_width(f32::INFINITY);
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 }
             }
             if items.is_empty() {
-                muted(ui, "No matching commands");
+                ui.muted("No matching commands");
             }
         });
     });

@@ -7,6 +7,7 @@ use crate::model::command::ViewCommand;
 use crate::model::phase::{Phase, PhaseStatus, Screen};
 use crate::model::phase_status;
 use crate::theme::{self, GRID};
+use crate::widgets::{UiExt, row_ground};
 
 /// Width of the rail with icons only, including margins.
 pub const NARROW: f32 = 68.0;
@@ -30,17 +31,17 @@ pub fn show(ui: &mut Ui, state: &mut AppState, narrow: bool) {
         .id_salt("rail")
         .auto_shrink(false)
         .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
-        .show(ui, |ui| entries(ui, state, (narrow, height)));
+        .show(ui, |ui| entries(ui, state, narrow, height));
 }
 
-fn entries(ui: &mut Ui, state: &mut AppState, look: (bool, f32)) {
+fn entries(ui: &mut Ui, state: &mut AppState, narrow: bool, height: f32) {
     for phase in Phase::ALL {
         let Some(open) = &state.model.open else {
             return;
         };
         let status = phase_status::of(&state.model, open, phase);
         let selected = state.model.screen == Screen::Phase(phase);
-        if entry(ui, (phase, &status), selected, look) {
+        if entry(ui, phase, &status, selected, narrow, height) {
             state.outbox.send(ViewCommand::Go(Screen::Phase(phase)));
         }
     }
@@ -48,9 +49,11 @@ fn entries(ui: &mut Ui, state: &mut AppState, look: (bool, f32)) {
 
 fn entry(
     ui: &mut Ui,
-    (phase, status): (Phase, &PhaseStatus),
+    phase: Phase,
+    status: &PhaseStatus,
     selected: bool,
-    (narrow, height): (bool, f32),
+    narrow: bool,
+    height: f32,
 ) -> bool {
     let palette = theme::of(ui);
     let width = ui.available_width();
@@ -58,14 +61,7 @@ fn entry(
     let title = format!("{}. {}", phase.number(), phase.title());
     let name = format!("Phase {}: {}", phase.number(), phase.title());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
-    if selected || response.hovered() || response.has_focus() {
-        let fill = if selected {
-            palette.raised
-        } else {
-            palette.hovered.gamma_multiply(0.5)
-        };
-        ui.painter().rect_filled(rect, 4.0, fill);
-    }
+    row_ground(ui, &response, 4.0, selected);
     if selected {
         let edge = rect.with_max_x(rect.min.x + 3.0);
         ui.painter().rect_filled(edge, 1.0, palette.accent);
@@ -99,7 +95,7 @@ fn words(ui: &mut Ui, title: &str, status: &PhaseStatus) {
         ui.label(RichText::new(title).font(theme::strong(13.0)));
     });
     let line = RichText::new(&status.line).small().color(palette.muted);
-    ui.add(egui::Label::new(line).wrap());
+    ui.wrapped(line);
 }
 
 fn icon(ui: &mut Ui, phase: Phase, status: &PhaseStatus, is_low: bool) {

@@ -2,23 +2,21 @@
 
 use std::collections::BTreeSet;
 
-use egui::{Grid, TextEdit, Ui};
+use egui::{Grid, Ui};
 
 use super::{AppState, certificate, save};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, Outbox, ReportCommand, ReportDraft};
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
 use crate::theme::GRID;
-use crate::widgets::{
-    Entered, Number, Verdict, checkbox, heading, modal, muted, number, primary, section, verdict,
-};
+use crate::widgets::{Entered, Number, UiExt, checkbox, form, modal, number, primary, text_row};
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 
 /// Draws the report dialog.
 pub fn show(ui: &mut Ui, state: &mut AppState, mut draft: ReportDraft) {
     let format = draft.format;
-    let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
-        heading(ui, &format!("Save the report as {}", format.title()));
+    let ((), is_left) = modal(ui, "save report", 520.0, |ui| {
+        ui.heading(&format!("Save the report as {}", format.title()));
         let is_of_session = matches!(state.model.screen, Screen::Phase(_));
         if is_of_session {
             out_of_date(ui, &state.model, &mut state.outbox);
@@ -81,7 +79,7 @@ fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         return;
     }
     for part in model::out_of_date(model) {
-        verdict(ui, Verdict::Doubtful, part.sentence);
+        ui.doubtful(part.sentence);
         if let Some((name, command)) = part.remedy
             && ui.button(name).clicked()
         {
@@ -91,49 +89,35 @@ fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 }
 
 fn head(ui: &mut Ui, choice: &mut ReportChoice) {
-    section(ui, "Heading");
-    Grid::new("head of the report")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            for (name, text, hint) in [
-                ("Title", &mut choice.title, "Name of the session"),
-                ("Header line", &mut choice.header, "None"),
-                ("Company", &mut choice.company, "None"),
-                ("Operator", &mut choice.operator, "None"),
-            ] {
-                let label = ui.label(name);
-                let field = TextEdit::singleline(text)
-                    .hint_text(hint)
-                    .desired_width(320.0);
-                ui.add(field).labelled_by(label.id);
-                ui.end_row();
-            }
-        });
+    ui.section("Heading");
+    form("head of the report").show(ui, |ui| {
+        for (name, text, hint) in [
+            ("Title", &mut choice.title, "Name of the session"),
+            ("Header line", &mut choice.header, "None"),
+            ("Company", &mut choice.company, "None"),
+            ("Operator", &mut choice.operator, "None"),
+        ] {
+            text_row(ui, name, text, hint, 320.0);
+        }
+    });
 }
 
 fn tolerance(ui: &mut Ui, choice: &mut ReportChoice) {
     ui.horizontal(|ui| {
         ui.label("Tolerance of the pulleys");
-        let shown = Number {
-            name: "Tolerance of the pulleys (mm)",
-            value: choice.tolerance_m.map(|m| 1e3 * m),
-            decimals: 2,
-            unit: "mm",
-            optional: true,
-            width: 90.0,
-        };
-        match number(ui, &shown) {
+        let tolerance_mm = choice.tolerance_m.map(|m| 1e3 * m);
+        let field = Number::of("Tolerance of the pulleys (mm)", tolerance_mm, 2, "mm", 90.0);
+        match number(ui, &field.optional(true)) {
             Some(Entered::Nothing) => choice.tolerance_m = None,
             Some(Entered::Value(mm)) if mm > 0.0 => choice.tolerance_m = Some(1e-3 * mm),
             Some(Entered::Value(_) | Entered::Wrong(_)) | None => {}
         }
-        muted(ui, "Without one, no verdict is given.");
+        ui.muted("Without one, no verdict is given.");
     });
 }
 
 fn sections(ui: &mut Ui, choice: &mut ReportChoice) {
-    section(ui, "Sections");
+    ui.section("Sections");
     Grid::new("parts of the report")
         .num_columns(2)
         .spacing([6.0 * GRID, GRID])

@@ -3,9 +3,8 @@
 use super::AppState;
 use crate::model::UiRequest;
 use crate::model::part::ScreenPart;
-use crate::screens::connect;
-use crate::screens::identification::Half;
-use crate::screens::precalibration::PanelPart;
+use crate::screens::identification::IdentificationTab;
+use crate::screens::{connect, modeling, precalibration};
 use crate::views::robot_3d::drawing::CableColour;
 use tautline_workflow::precalibration::Table;
 
@@ -19,21 +18,25 @@ pub fn apply(state: &mut AppState) {
                 state.views.robot_3d.options.colour = CableColour::Residual;
             }
             UiRequest::ShowTable(table) => match table {
-                Table::Winch => panels.precalibration.part = PanelPart::Winches,
-                Table::Force => panels.precalibration.part = PanelPart::ForceSensors,
-                Table::Home => panels.precalibration.part = PanelPart::Home,
-                Table::Elongation => panels.modeling.show_elongation(),
+                Table::Winch => panels.precalibration.part = precalibration::PanelPart::Winches,
+                Table::Force => {
+                    panels.precalibration.part = precalibration::PanelPart::ForceSensors
+                }
+                Table::Home => panels.precalibration.part = precalibration::PanelPart::Home,
+                Table::Elongation => panels.modeling.part = modeling::PanelPart::Elongation,
             },
             UiRequest::ShowRobot => panels.part = ScreenPart::Robot,
-            UiRequest::ShowDescription => panels.modeling.show_description(),
+            UiRequest::ShowDescription => {
+                panels.modeling.part = modeling::PanelPart::Description;
+            }
             UiRequest::ShowScope => plots.show_scope(),
             UiRequest::ShowGeometry => {
                 plots.leave_scope();
-                panels.identification.half = Half::Geometry;
+                panels.identification.tab = IdentificationTab::Geometry;
             }
             UiRequest::ShowDoctor => {
                 plots.leave_scope();
-                panels.identification.half = Half::Doctor;
+                panels.identification.tab = IdentificationTab::Doctor;
             }
             UiRequest::TakePreparation(preparation) => plots.prepared(&preparation),
             UiRequest::Connection(request) => {

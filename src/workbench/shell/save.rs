@@ -11,7 +11,7 @@ use crate::model::command::FileCommand;
 use crate::model::dialogs::SaveContent;
 use crate::model::save_form::SaveForm;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, entered, heading, icon_button, modal, muted, primary, verdict};
+use crate::widgets::{UiExt, entered, icon_button, modal, primary};
 
 /// Draws the save dialog while it is open.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -23,8 +23,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         SaveContent::Session => open.and_then(OpenSession::path),
         _ => None,
     };
-    let (is_cancelled, is_left) = modal(ui, ("save", 560.0), |ui| {
-        heading(ui, draft.content.title());
+    let (is_cancelled, is_left) = modal(ui, "save", 560.0, |ui| {
+        ui.heading(draft.content.title());
         let asked = form(ui, &mut draft.form, own);
         if asked.browse {
             state.outbox.send(FileCommand::BrowseSave);
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .inner
     });
     if is_cancelled || is_left {
-        state.model.dialogs.leaving = None;
+        state.model.dialogs.pending = None;
         state.model.hypothesis.asking = None;
     } else {
         state.model.dialogs.save = Some(draft);
@@ -76,12 +76,12 @@ pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Save
     let replaces = target.as_deref().filter(replaces).is_some();
     match &form.failure {
         _ if form.writing.is_some() => {
-            muted(ui, "Saving…");
+            ui.muted("Saving…");
         }
-        Some(why) => verdict(ui, Verdict::Bad, why),
+        Some(why) => ui.bad(why),
         None if replaces => {
             let text = "A file with this name exists; it will be replaced.";
-            verdict(ui, Verdict::Doubtful, text);
+            ui.doubtful(text);
         }
         None => {}
     }

@@ -21,7 +21,8 @@ impl Size {
 pub fn sized(
     ui: &mut Ui,
     panel: Panel,
-    (size, along): (Size, usize),
+    size: Size,
+    along: usize,
     add: impl FnOnce(&mut Ui),
 ) -> Option<f32> {
     let now = size.now();

@@ -21,10 +21,7 @@ impl AppState {
     pub fn new(context: &egui::Context, options: Options) -> Self {
         let model = Model::new(context, options, report_picture);
         Self {
-            views: ViewStates {
-                plots: Panes::of(&model.preferences.plots),
-                ..ViewStates::default()
-            },
+            views: ViewStates::of(Panes::of(&model.preferences.plots)),
             panels: PanelStates::default(),
             outbox: Outbox::default(),
             model,

@@ -9,7 +9,7 @@ use crate::model::command::{RobotCommand, Setup, ViewCommand};
 use crate::model::messages::Severity;
 use crate::screens::measuring::controller::lost_words;
 use crate::theme;
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 use tautline_workflow::controllers::RobotKind;
 
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -30,7 +30,7 @@ fn last_message(ui: &mut Ui, state: &mut AppState) {
     // Errors are shown in the alert or in the dialog they concern.
     let last = state.model.messages.last_here();
     let Some(message) = last.filter(|last| last.severity != Severity::Error) else {
-        muted(ui, "Ready");
+        ui.muted("Ready");
         return;
     };
     let (icon, colour) = match message.severity {
@@ -52,7 +52,7 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
     let palette = theme::of(ui);
     if let Some(lost) = &live.lost {
         let words = lost_words(lost);
-        return chip(ui, state, (words.trim_end_matches('.'), palette.bad));
+        return chip(ui, state, words.trim_end_matches('.'), palette.bad);
     }
     let Some(controller) = live.state else {
         if state.model.open.is_some() {
@@ -60,7 +60,7 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
                 true => "connecting…",
                 false => "not connected",
             };
-            chip(ui, state, (words, palette.muted));
+            chip(ui, state, words, palette.muted);
         }
         return;
     };
@@ -70,18 +70,18 @@ fn controller(ui: &mut Ui, state: &mut AppState) {
         (_, true) => ("armed", palette.warning),
         (_, false) => ("not armed", palette.muted),
     };
-    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
+
     // A recording must never be mistaken for a robot.
-    let words = match (kind, words) {
+    let words = match (state.model.robot_kind(), words) {
         (Some(RobotKind::Recording), _) => "recording, no robot".to_owned(),
         (Some(RobotKind::OfDescription), words) => format!("simulated, {words}"),
         (_, words) => words.to_owned(),
     };
-    chip(ui, state, (&words, colour));
+    chip(ui, state, &words, colour);
 }
 
 /// Status of the controller. Without a connection it is a button that opens the connection dialog.
-fn chip(ui: &mut Ui, state: &mut AppState, (words, colour): (&str, egui::Color32)) {
+fn chip(ui: &mut Ui, state: &mut AppState, words: &str, colour: egui::Color32) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
     if state.model.link.connected.is_some() {
         ui.label(RichText::new(words).small().color(colour));

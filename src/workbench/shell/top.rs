@@ -8,7 +8,7 @@ use super::state::AppState;
 use super::stop;
 use crate::model::command::{Command, ViewCommand};
 use crate::theme;
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 
 /// Smallest width of the session's name (points).
 const LEAST_NAME: f32 = 40.0;
@@ -47,9 +47,7 @@ pub fn send(state: &mut AppState, commands: &[Command]) {
 pub fn show(ui: &mut Ui, state: &mut AppState, items: &[MenuItem]) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
-            ui.menu_button(menu.title(), |ui| {
-                lines(ui, state, (menu, items));
-            });
+            ui.menu_button(menu.title(), |ui| lines(ui, state, menu, items));
         }
         if state.model.open.is_some() {
             ui.separator();
@@ -63,7 +61,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState, items: &[MenuItem]) {
 }
 
 /// Items of a menu; a long menu scrolls in a low window.
-fn lines(ui: &mut Ui, state: &mut AppState, (menu, items): (Menu, &[MenuItem])) {
+fn lines(ui: &mut Ui, state: &mut AppState, menu: Menu, items: &[MenuItem]) {
     let own: Vec<&MenuItem> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;
     let mut add = |ui: &mut Ui| {
@@ -115,7 +113,7 @@ fn title(ui: &mut Ui, state: &AppState) {
         ui.add(Label::new(name).truncate());
     });
     if open.is_unsaved() {
-        muted(ui, "not saved");
+        ui.muted("not saved");
     }
 }
 

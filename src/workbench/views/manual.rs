@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::manual::{PICTURES, Page};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, muted, section};
+use crate::widgets::UiExt;
 
 /// Scheme of the picture URLs in the manual.
 const SCHEME: &str = "manual://";
@@ -200,15 +200,15 @@ fn about(ui: &mut Ui, outbox: &mut Outbox) {
         .default_size(vec2(460.0, 420.0).min(room))
         .max_size(room)
         .show(ui.ctx(), |ui| {
-            heading(ui, concat!("Tautline ", env!("CARGO_PKG_VERSION")));
+            ui.heading(concat!("Tautline ", env!("CARGO_PKG_VERSION")));
             ui.label("Calibration of cable-driven parallel robots.");
-            muted(ui, "Licence: MIT or Apache-2.0, as you choose. Without any warranty.");
-            section(ui, "Method");
+            ui.muted("Licence: MIT or Apache-2.0, as you choose. Without any warranty.");
+            ui.section("Method");
             ui.label("After X. Jin, J. Jung, S. Y. Ko, E. Choi, J.-O. Park and C.-S. Kim, Sensors 18 (2018) 2392, solved jointly.");
-            section(ui, "Fonts");
+            ui.section("Fonts");
             ui.label("Inter, SIL Open Font License 1.1. Material Symbols, Apache-2.0.");
-            section(ui, "Libraries");
-            muted(ui, "Free software under MIT, Apache-2.0, BSD, ISC, Zlib, BSL-1.0, MPL-2.0, Unicode or public-domain licences. Locked versions, tools of the tests included:");
+            ui.section("Libraries");
+            ui.muted("Free software under MIT, Apache-2.0, BSD, ISC, Zlib, BSL-1.0, MPL-2.0, Unicode or public-domain licences. Locked versions, tools of the tests included:");
             ScrollArea::vertical()
                 .max_height(160.0)
                 .auto_shrink([false, true])

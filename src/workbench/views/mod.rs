@@ -16,6 +16,7 @@ use crate::theme::{self, GRID};
 use robot_3d::drawing::FrameLook;
 
 /// State of the views between frames.
+#[derive(Default)]
 pub struct ViewStates {
     /// Selection under the pointer, in all views.
     pub hovered: Selection,
@@ -29,27 +30,17 @@ pub struct ViewStates {
     pub manual: manual::Manual,
 }
 
-impl Default for ViewStates {
-    fn default() -> Self {
-        // Displacements are often behind the frame.
-        let transparent = || {
-            let mut view = robot_3d::Robot3d::default();
-            view.options.frame = FrameLook::Transparent;
-            view
-        };
-        Self {
-            hovered: Selection::default(),
-            robot_3d: robot_3d::Robot3d::default(),
-            compared_3d: transparent(),
-            record_3d: transparent(),
-            timeline: timeline::TimelineState::default(),
-            plots: plots::Panes::default(),
-            manual: manual::Manual::default(),
-        }
-    }
-}
-
 impl ViewStates {
+    pub fn of(plots: plots::Panes) -> Self {
+        let mut views = Self {
+            plots,
+            ..Self::default()
+        };
+        views.compared_3d.options.frame = FrameLook::Transparent;
+        views.record_3d.options.frame = FrameLook::Transparent;
+        views
+    }
+
     /// Frees resources on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.robot_3d.destroy();
@@ -61,16 +52,12 @@ impl ViewStates {
 /// Draws the robot in 3D with the time line of the poses below, or the inspected pulley.
 pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
     if let Some(inspected) = pulley_inspector::inspected(model) {
-        let view = (&mut views.robot_3d, &mut views.hovered);
-        pulley_inspector::show(ui, model, inspected, view, outbox);
+        let (view, hovered) = (&mut views.robot_3d, &mut views.hovered);
+        pulley_inspector::show(ui, model, inspected, view, hovered, outbox);
         return;
     }
     pulley_inspector::key(ui, model, outbox);
-    let measured = model
-        .open
-        .as_ref()
-        .is_some_and(|open| !open.session().measurements.is_empty());
-    if measured {
+    if model.measured().is_some() {
         let frame = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
         Panel::bottom("time line")
             .frame(frame)
@@ -84,7 +71,7 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
         None => Frame::new().fill(theme::of(ui).ground),
     };
     CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-        let view = (&mut views.robot_3d, &mut views.hovered);
-        robot_3d::show(ui, model, view, outbox);
+        let (view, hovered) = (&mut views.robot_3d, &mut views.hovered);
+        robot_3d::show(ui, model, view, hovered, outbox);
     });
 }

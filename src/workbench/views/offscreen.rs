@@ -162,11 +162,8 @@ impl OffscreenPainter {
         let size = context.content_rect().size() * scale;
         let size = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
         let primitives = context.tessellate(output.shapes.clone(), scale);
-        let ground = context
-            .global_style()
-            .visuals
-            .panel_fill
-            .to_normalized_gamma_f32();
+        let style = context.global_style();
+        let ground = style.visuals.panel_fill.to_normalized_gamma_f32();
         let painter = &mut self.painter;
         paint_picture(self.headless.gl(), size, || {
             painter.clear(size, ground);
@@ -205,8 +202,8 @@ pub fn render_scene(
         camera,
         size: size.map(f64::from),
     };
-    render((size.into(), scale), theme, move |ui, rect| {
-        canvas.paint(ui, rect, &drawing, (1, false), &picture, selection);
+    render(size.into(), scale, theme, move |ui, rect| {
+        canvas.paint(ui, rect, &drawing, false, &picture, selection);
     })
 }
 
@@ -215,7 +212,8 @@ pub fn render_scene(
 /// # Errors
 /// If there is no OpenGL, or the driver reports an error.
 pub fn render(
-    (size, scale): (Vec2, f32),
+    size: Vec2,
+    scale: f32,
     theme: Theme,
     draw: impl FnMut(&mut Ui, Rect),
 ) -> Result<RgbaImage, OffscreenError> {

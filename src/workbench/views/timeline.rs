@@ -10,7 +10,7 @@ use super::robot_3d::scene::Scene;
 use crate::model::command::{Outbox, PoseStep, ViewCommand};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 use tautline_workflow::wording::count;
 
 /// Height of the time line with its margins (points).
@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
     let plays = model.playback.plays;
     let times_s = &open.session().measurements.time_s;
     let mut commands = match plays && is_recording(labels, times_s) {
-        true => play_recording(ui, &mut views.timeline, (labels, times_s), selected),
+        true => play_recording(ui, &mut views.timeline, labels, times_s, selected),
         false => play(ui, plays, &mut views.timeline, labels, selected),
     };
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -84,10 +84,10 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
         }
         let scene = views.robot_3d.scene().map(AsRef::as_ref);
         let selection = model.selection;
-        commands.extend(track(ui, (open, scene), selection, plays));
+        commands.extend(track(ui, open, scene, selection, plays));
         let place = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
         ui.add_space(GRID);
-        muted(ui, &words(labels, place));
+        ui.muted(&words(labels, place));
     });
     for command in commands {
         outbox.send(command);
@@ -142,7 +142,8 @@ fn is_recording(labels: &[i64], times_s: &[f64]) -> bool {
 fn play_recording(
     ui: &Ui,
     view: &mut TimelineState,
-    (labels, times_s): (&[i64], &[f64]),
+    labels: &[i64],
+    times_s: &[f64],
     selected: Option<i64>,
 ) -> Vec<ViewCommand> {
     let now = ui.input(|input| input.time);
@@ -182,7 +183,8 @@ fn words(labels: &[i64], place: Option<usize>) -> String {
 /// Line with a mark for each pose, in the colour of its residual.
 fn track(
     ui: &mut Ui,
-    (open, scene): (&OpenSession, Option<&Scene>),
+    open: &OpenSession,
+    scene: Option<&Scene>,
     selection: Selection,
     plays: bool,
 ) -> Vec<ViewCommand> {
@@ -197,7 +199,7 @@ fn track(
     response.widget_info(|| WidgetInfo::slider(true, value, "Pose timeline"));
     let line = rect.shrink2(vec2(2.0 * GRID, 0.0));
     let palette = theme::of(ui);
-    paint(ui, (open, scene), line, palette);
+    paint(ui, open, scene, line, palette);
     let last = labels.len().saturating_sub(1).max(1) as f32;
     let x = |place: usize| line.min.x + line.width() * place as f32 / last;
     if let Some(place) = place {
@@ -225,7 +227,7 @@ fn track(
     commands
 }
 
-fn paint(ui: &Ui, (open, scene): (&OpenSession, Option<&Scene>), line: Rect, palette: &Palette) {
+fn paint(ui: &Ui, open: &OpenSession, scene: Option<&Scene>, line: Rect, palette: &Palette) {
     let session = open.session();
     let labels = &session.measurements.labels;
     let middle = line.center().y;

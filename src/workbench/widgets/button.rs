@@ -81,3 +81,14 @@ pub fn icon_only(ui: &mut Ui, icon: MaterialIcon, name: &str, enabled: bool) -> 
     let response = named(response.inner, name);
     response.on_hover_text(name).on_disabled_hover_text(name)
 }
+
+/// Ground of a row that can be selected.
+pub fn row_ground(ui: &Ui, row: &Response, radius: f32, is_selected: bool) {
+    let palette = theme::of(ui);
+    if is_selected {
+        ui.painter().rect_filled(row.rect, radius, palette.raised);
+    } else if row.hovered() || row.has_focus() {
+        let fill = palette.hovered.gamma_multiply(0.5);
+        ui.painter().rect_filled(row.rect, radius, fill);
+    }
+}

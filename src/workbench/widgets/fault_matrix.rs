@@ -1,12 +1,13 @@
 //! Matrix of faults that the poses detect and that could be confused.
 
 use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, Window, vec2,
+    Align2, Color32, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Ui, WidgetInfo, Window,
+    vec2,
 };
 use tautline_workflow::isolability::{IsolabilityTable, SEEN, percent};
 
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 
 /// Size of a cell (points).
 const CELL: [f32; 2] = [22.0, 17.0];
@@ -19,6 +20,18 @@ const TITLE: f32 = 36.0;
 const AROUND: f32 = 48.0;
 /// Probability of confusion below which a cell has no number.
 const NUMBERED: f64 = 0.01;
+
+/// Button that shows or hides the matrix.
+pub fn fault_button(ui: &mut Ui, is_shown: &mut bool) -> Response {
+    let button = ui.button(match is_shown {
+        true => "Hide faults",
+        false => "Show faults",
+    });
+    if button.clicked() {
+        *is_shown = !*is_shown;
+    }
+    button
+}
 
 pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     let whole = vec2(
@@ -38,12 +51,9 @@ pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
 /// Draws the matrix: a row for each possible fault, with its probability of detection, and a column for each fault with
 /// which it could be confused.
 fn fault_matrix(ui: &mut Ui, table: &IsolabilityTable) {
-    ui.add(egui::Label::new(table.summary()).wrap());
-    muted(
-        ui,
-        "Rows: the fault that is present, and the probability (%) that it is seen, of the least visible cable. Columns: the \
-         probability (%) that another fault could be meant. Point at a cell for more.",
-    );
+    ui.wrapped(table.summary());
+    ui.muted("Rows: the fault that is present, and the probability (%) that it is seen, of the least visible cable. Columns: the \
+         probability (%) that another fault could be meant. Point at a cell for more.");
     ui.add_space(GRID);
     let count = table.kinds.len();
     let size = vec2(
@@ -65,7 +75,7 @@ fn fault_matrix(ui: &mut Ui, table: &IsolabilityTable) {
                 );
                 let words = format!("{}. {}", kind.title, kind.sentence);
                 name.widget_info(|| WidgetInfo::labeled(Role::Label, true, &words));
-                body(ui, table, &places, (row, palette));
+                body(ui, table, &places, row, palette);
             }
             if let Some(words) = response
                 .hover_pos()
@@ -125,7 +135,7 @@ fn head(ui: &Ui, table: &IsolabilityTable, places: &Places, palette: &Palette) {
     }
 }
 
-fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usize, &Palette)) {
+fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, row: usize, palette: &Palette) {
     let kind = &table.kinds[row];
     let font = FontId::proportional(12.0);
     let name = format!("{}  {}", row + 1, kind.title);
@@ -138,11 +148,11 @@ fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usi
         palette.bad
     };
     let strength = if seen >= SEEN { seen } else { 1.0 - seen };
-    filled(ui, places.shown(row), (colour, strength), palette);
+    filled(ui, places.shown(row), colour, strength, palette);
     number(ui, places.shown(row), seen, palette);
     for (column, cell) in table.cells[row].iter().enumerate() {
         let place = places.cell(row, column);
-        filled(ui, place, (palette.warning, cell.confusion), palette);
+        filled(ui, place, palette.warning, cell.confusion, palette);
         if cell.confusion >= NUMBERED {
             number(ui, place, cell.confusion, palette);
         }
@@ -150,7 +160,7 @@ fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usi
 }
 
 /// Cell with a colour and strength.
-fn filled(ui: &Ui, rect: Rect, (colour, strength): (Color32, f64), palette: &Palette) {
+fn filled(ui: &Ui, rect: Rect, colour: Color32, strength: f64, palette: &Palette) {
     let share = 0.6 * strength.clamp(0.0, 1.0) as f32;
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, palette.ground.lerp_to_gamma(colour, share));

@@ -31,7 +31,7 @@ pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> 
         let name = format!("Path of {file}");
         let hint = format!("Path of {file}, or drop it here");
         let width = ui.available_width();
-        let entered = path_field(ui, (&name, &hint), path, width);
+        let entered = path_field(ui, &name, &hint, path, width);
         if typed && (pressed || entered) {
             answer = Some(Import::Path(PathBuf::from(path.trim())));
         }
@@ -40,7 +40,7 @@ pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> 
 }
 
 /// Field for a path, with name and hint; returns whether Enter was pressed.
-pub fn path_field(ui: &mut Ui, (name, hint): (&str, &str), path: &mut String, width: f32) -> bool {
+pub fn path_field(ui: &mut Ui, name: &str, hint: &str, path: &mut String, width: f32) -> bool {
     let field = TextEdit::singleline(path)
         .hint_text(hint)
         .desired_width(width);

@@ -5,12 +5,7 @@ use egui::{Color32, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use crate::theme::{self, GRID};
 
 /// Draws a share from 0 to 1 as a bar over the full width, with a mark at `mark`; `name` is its accessible name.
-pub fn meter(
-    ui: &mut Ui,
-    name: &str,
-    (share, colour): (f64, Color32),
-    mark: Option<f64>,
-) -> Response {
+pub fn meter(ui: &mut Ui, name: &str, share: f64, colour: Color32, mark: Option<f64>) -> Response {
     let palette = theme::of(ui);
     let size = vec2(ui.available_width(), 1.5 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());

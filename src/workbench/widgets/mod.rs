@@ -2,6 +2,7 @@
 
 mod button;
 mod fault_matrix;
+mod form;
 mod import_row;
 mod meter;
 mod modal;
@@ -16,8 +17,11 @@ mod tab_row;
 mod table;
 mod text;
 
-pub use button::{checkbox, choice, entered, icon_button, icon_only, named, primary, radio};
-pub use fault_matrix::fault_window;
+pub use button::{
+    checkbox, choice, entered, icon_button, icon_only, named, primary, radio, row_ground,
+};
+pub use fault_matrix::{fault_button, fault_window};
+pub use form::{combo_box, form, name_combo_box, name_text_field, text_row};
 pub use import_row::{Import, import_row, path_field};
 pub use meter::meter;
 pub(crate) use modal::{backdrop, modal};
@@ -31,4 +35,4 @@ pub use probability::probability;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
 pub use tab_row::{TabOf, fitting, tab_row};
 pub use table::{Cell, TableColumn, TableResponse, table};
-pub use text::{Verdict, empty, heading, muted, section, value, verdict};
+pub use text::{UiExt, Verdict};

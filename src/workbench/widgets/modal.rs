@@ -7,7 +7,8 @@ use crate::theme::GRID;
 /// Draws a modal dialog; returns the result of `content` and whether the operator left it by Escape or a click outside.
 pub(crate) fn modal<T>(
     ui: &Ui,
-    (name, width): (&str, f32),
+    name: &str,
+    width: f32,
     content: impl FnOnce(&mut Ui) -> T,
 ) -> (T, bool) {
     let room = ui.ctx().content_rect().width() - 12.0 * GRID;

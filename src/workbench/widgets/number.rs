@@ -1,8 +1,8 @@
 //! Number fields.
 
-use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2, WidgetInfo};
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2};
 
-use super::text::muted;
+use super::{name_text_field, text::UiExt};
 use crate::theme::{self, GRID};
 use tautline_workflow::wording::units::fixed;
 
@@ -35,15 +35,27 @@ pub struct Number<'a> {
 impl<'a> Number<'a> {
     /// Required field, with its smallest width (points).
     #[must_use]
-    pub fn of(name: &'a str, value: f64, decimals: usize, unit: &'a str, width: f32) -> Self {
+    pub fn of(
+        name: &'a str,
+        value: impl Into<Option<f64>>,
+        decimals: usize,
+        unit: &'a str,
+        width: f32,
+    ) -> Self {
         Self {
             name,
-            value: Some(value),
+            value: value.into(),
             decimals,
             unit,
             optional: false,
             width,
         }
+    }
+
+    /// The same field, which may be empty.
+    #[must_use]
+    pub fn optional(self, optional: bool) -> Self {
+        Self { optional, ..self }
     }
 
     fn id(&self, ui: &Ui) -> Id {
@@ -68,10 +80,7 @@ pub fn number_checked(
     check: &dyn Fn(f64) -> Result<(), String>,
 ) -> Option<Entered> {
     let id = field.id(ui);
-    let shown = || {
-        let value = field.value?;
-        Some(fixed(value, field.decimals))
-    };
+    let shown = || field.value.map(|value| fixed(value, field.decimals));
     let typed: Option<String> = ui.data(|data| data.get_temp(id));
     let was_typed = typed.is_some();
     let mut text = typed.unwrap_or_else(|| shown().unwrap_or_default());
@@ -84,7 +93,7 @@ pub fn number_checked(
         response = response.on_hover_text(message);
     }
     if !field.unit.is_empty() {
-        muted(ui, field.unit);
+        ui.muted(field.unit);
     }
     if response.changed() {
         ui.data_mut(|data| data.insert_temp(id, text.clone()));
@@ -123,12 +132,7 @@ fn edit(ui: &mut Ui, field: &Number<'_>, text: &mut String, wrong: bool) -> Resp
         edit = edit.text_color(palette.bad);
     }
     let response = ui.add(edit);
-    let (name, value) = (field.name, text.clone());
-    response.widget_info(|| {
-        let mut info = WidgetInfo::text_edit(ui.is_enabled(), value.clone(), value.clone(), "");
-        info.label = Some(name.to_owned());
-        info
-    });
+    name_text_field(&response, field.name, text);
     if wrong {
         let stroke = Stroke::new(1.0, palette.bad);
         ui.painter()

@@ -2,6 +2,7 @@
 
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo};
 
+use super::row_ground;
 use crate::model::phase::PhaseStatus;
 use crate::theme::{self, GRID};
 
@@ -28,27 +29,14 @@ fn row(ui: &mut Ui, title: &str, standing: &PhaseStatus, selected: bool) -> bool
     let size = Vec2::new(ui.available_width(), 8.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Tab, true, selected, title));
-    let fill = if selected {
-        palette.raised
-    } else if response.hovered() || response.has_focus() {
-        palette.hovered.gamma_multiply(0.5)
-    } else {
-        egui::Color32::TRANSPARENT
-    };
-    ui.painter().rect_filled(rect, 4.0, fill);
+    row_ground(ui, &response, 4.0, selected);
     let inside = rect.shrink2(Vec2::new(2.0 * GRID, GRID));
     let layout = Layout::left_to_right(Align::Center);
     let builder = UiBuilder::new().max_rect(inside).layout(layout);
     let mut line = ui.new_child(builder);
     let colour = palette.progress(standing.progress);
-    line.label(
-        standing
-            .progress
-            .icon()
-            .rich_text()
-            .size(16.0)
-            .color(colour),
-    );
+    let icon = standing.progress.icon().rich_text().size(16.0);
+    line.label(icon.color(colour));
     line.label(RichText::new(title).font(theme::strong(13.0)));
     line.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let line = RichText::new(&standing.line).small().color(palette.muted);

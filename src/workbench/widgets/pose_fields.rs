@@ -1,10 +1,10 @@
 //! Fields for typing a measured pose.
 
-use egui::{TextEdit, Ui, WidgetInfo};
+use egui::{TextEdit, Ui};
 use tautline_core::geometry::Pose;
 use tautline_session::CheckPose;
 
-use super::{muted, parse_number};
+use super::{UiExt, name_text_field, parse_number};
 use crate::theme::GRID;
 
 const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
@@ -24,8 +24,8 @@ impl PoseFields {
     /// Draws two rows of fields, whose accessible names begin with `name`; `focuses` moves the cursor to the first.
     pub fn show(&mut self, ui: &mut Ui, name: &str, focuses: bool) -> PoseFieldsResponse {
         let (position, angles) = FIELDS.split_at(3);
-        let mut left = self.line(ui, name, (position, 0), "mm", focuses);
-        left |= self.line(ui, name, (angles, 3), "degrees", false);
+        let mut left = self.line(ui, name, position, 0, "mm", focuses);
+        left |= self.line(ui, name, angles, 3, "degrees", false);
         PoseFieldsResponse { left }
     }
 
@@ -33,29 +33,24 @@ impl PoseFields {
         &mut self,
         ui: &mut Ui,
         of: &str,
-        (names, first): (&[&str], usize),
+        names: &[&str],
+        first: usize,
         unit: &str,
         focuses: bool,
     ) -> bool {
         let mut left = false;
         ui.horizontal_wrapped(|ui| {
             for (name, text) in names.iter().zip(&mut self.texts[first..]) {
-                muted(ui, name);
+                ui.muted(name);
                 let field = ui.add(TextEdit::singleline(text).desired_width(15.0 * GRID));
-                let value = text.clone();
-                let label = format!("{of} {}", name.to_lowercase());
-                field.widget_info(|| {
-                    let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-                    info.label = Some(label.clone());
-                    info
-                });
+                name_text_field(&field, &format!("{of} {}", name.to_lowercase()), text);
                 if focuses && *name == "x" {
                     field.request_focus();
                     field.scroll_to_me(Some(egui::Align::Center));
                 }
                 left |= field.lost_focus();
             }
-            muted(ui, unit);
+            ui.muted(unit);
         });
         left
     }

@@ -5,7 +5,7 @@ use tautline_core::diagnosis::NAMING_PROBABILITY;
 use tautline_workflow::wording::probability::certainty;
 use tautline_workflow::wording::sentence;
 
-use super::meter;
+use super::{UiExt, meter};
 use crate::theme::{self, GRID};
 
 /// Draws the probability of `what`: a bar from 0 to 1, marked at 0.95, above which a cause is named, and a text below,
@@ -20,9 +20,9 @@ pub fn probability(ui: &mut Ui, what: &str, probability: f64) -> Response {
     } else {
         palette.warning
     };
-    let bar = meter(ui, &name, (probability, colour), Some(NAMING_PROBABILITY));
+    let bar = meter(ui, &name, probability, colour, Some(NAMING_PROBABILITY));
     bar.on_hover_text(format!(
         "{name}. The mark is at 95 %, from where a cause is named."
     ));
-    ui.add(egui::Label::new(sentence(&words)).wrap())
+    ui.wrapped(sentence(&words))
 }

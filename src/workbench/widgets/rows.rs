@@ -5,7 +5,7 @@ use egui_material_icons::icons;
 
 use super::button::{icon_button, icon_only};
 use super::number::{Entered, Number, number, parse};
-use super::text::muted;
+use super::text::UiExt;
 use crate::theme::{self, GRID};
 
 /// Largest number of columns.
@@ -231,15 +231,9 @@ fn row(ui: &mut Ui, rows: &Rows<'_>, index: usize, width: f32) -> Option<RowsEdi
     cell(ui, NUMBER, &(index + 1).to_string());
     for (column, (field, value)) in rows.fields.iter().zip(rows.rows[index]).enumerate() {
         let name = format!("{} of {} {}", field.title, noun.to_lowercase(), index + 1);
-        let shown = Number {
-            name: &name,
-            value: value.map(|value| value * field.per_si),
-            decimals: field.decimals,
-            unit: "",
-            optional: field.optional,
-            width,
-        };
-        answer = match number(ui, &shown) {
+        let value = value.map(|value| value * field.per_si);
+        let shown = Number::of(&name, value, field.decimals, "", width);
+        answer = match number(ui, &shown.optional(field.optional)) {
             None => answer,
             Some(Entered::Nothing) => Some(RowsEdit::Set(index, column, None)),
             Some(Entered::Wrong(message)) => Some(RowsEdit::Wrong(message)),
@@ -273,8 +267,10 @@ fn in_si(field: &RowField, value: f64) -> Result<f64, String> {
 fn add(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit> {
     let titles: Vec<String> = rows.fields.iter().map(titled).collect();
     let name = format!("{}s to add", rows.noun);
-    let help = format!("Type or paste one row per line: {}", titles.join(", "));
-    muted(ui, &help);
+    ui.muted(&format!(
+        "Type or paste one row per line: {}",
+        titles.join(", ")
+    ));
     let field = TextEdit::multiline(draft)
         .desired_rows(2)
         .desired_width(f32::INFINITY);

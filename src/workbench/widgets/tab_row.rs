@@ -17,7 +17,7 @@ pub fn tab_row<T: Copy + PartialEq>(ui: &mut Ui, more: &str, tabs: &[TabOf<T>], 
     let place = tabs.iter().position(|tab| tab.value == *chosen);
     let room = ui.available_width();
     let spacing = ui.spacing().item_spacing.x;
-    let is_shown = fitting(&widths, place, (room, spacing), width(ui, more) + 20.0);
+    let is_shown = fitting(&widths, place, room, spacing, width(ui, more) + 20.0);
     ui.horizontal(|ui| {
         for (tab, _) in tabs.iter().zip(&is_shown).filter(|(_, shown)| **shown) {
             one(ui, tab, chosen);
@@ -63,7 +63,8 @@ fn width(ui: &Ui, title: &str) -> f32 {
 pub fn fitting(
     widths: &[f32],
     chosen: Option<usize>,
-    (room, spacing): (f32, f32),
+    room: f32,
+    spacing: f32,
     menu: f32,
 ) -> Vec<bool> {
     let whole: f32 = widths.iter().map(|width| width + spacing).sum();
@@ -92,7 +93,7 @@ mod tests {
     #[test]
     fn the_chosen_one_is_always_in_the_row() {
         let widths = [50.0; 4];
-        let shown = |room, chosen| fitting(&widths, chosen, (room, 10.0), 40.0);
+        let shown = |room, chosen| fitting(&widths, chosen, room, 10.0, 40.0);
         assert_eq!(shown(230.0, None), [true; 4]);
         assert_eq!(shown(229.0, Some(0)), [true, true, true, false]);
         assert_eq!(shown(170.0, Some(3)), [true, false, false, true]);

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use egui::{Color32, Galley, Pos2, Rect, RichText, Role, ScrollArea, Sense, Ui, Vec2, WidgetInfo};
 use egui_material_icons::MaterialIcon;
 
+use super::row_ground;
+use super::text::Verdict;
 use crate::theme::{self, GRID};
 
 #[derive(Debug, Clone, Copy)]
@@ -37,9 +39,9 @@ impl<'a> TableColumn<'a> {
 
 #[derive(Debug, Clone, Default)]
 pub struct Cell {
-    text: String,
+    pub(crate) text: String,
     icon: Option<MaterialIcon>,
-    colour: Option<Color32>,
+    pub(crate) colour: Option<Color32>,
     dot: Option<Color32>,
 }
 
@@ -49,6 +51,16 @@ impl Cell {
         Self {
             text: text.into(),
             ..Self::default()
+        }
+    }
+
+    /// Verdict in words, with its icon and colour.
+    #[must_use]
+    pub fn verdict(ui: &Ui, verdict: Verdict, text: &str) -> Self {
+        Self {
+            icon: Some(verdict.icon()),
+            colour: Some(verdict.colour(theme::of(ui))),
+            ..Self::new(text)
         }
     }
 
@@ -66,15 +78,6 @@ impl Cell {
     pub fn with_dot(self, colour: Color32) -> Self {
         Self {
             dot: Some(colour),
-            ..self
-        }
-    }
-
-    /// Adds an icon.
-    #[must_use]
-    pub fn with_icon(self, icon: MaterialIcon) -> Self {
-        Self {
-            icon: Some(icon),
             ..self
         }
     }
@@ -142,21 +145,19 @@ pub fn table(
         gap: GAP + extra,
         width,
     };
-    let mut touched = TableResponse::default();
-    ui.scope(|ui| {
+    let draw = |ui: &mut Ui| {
+        header(ui, columns, &heads, &places);
+        body(ui, columns, rows, &galleys, &places, selected)
+    };
+    let scope = ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        if needed > ui.available_width() {
-            ScrollArea::horizontal()
-                .id_salt(ui.next_auto_id())
-                .max_width(ui.available_width())
-                .show(ui, |ui| {
-                    touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
-                });
-        } else {
-            touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
+        if needed <= ui.available_width() {
+            return draw(ui);
         }
+        let area = ScrollArea::horizontal().id_salt(ui.next_auto_id());
+        area.max_width(ui.available_width()).show(ui, draw).inner
     });
-    touched
+    scope.inner
 }
 
 struct Places {
@@ -240,13 +241,11 @@ fn small(ui: &Ui, text: &str) -> Arc<Galley> {
 fn body(
     ui: &mut Ui,
     columns: &[TableColumn<'_>],
-    heads: &[[Arc<Galley>; 2]],
-    (rows, galleys): (&[Vec<Cell>], &[Vec<Galleys>]),
+    rows: &[Vec<Cell>],
+    galleys: &[Vec<Galleys>],
     places: &Places,
     selected: Option<usize>,
 ) -> TableResponse {
-    header(ui, columns, heads, places);
-    let palette = theme::of(ui);
     let mut touched = TableResponse::default();
     for (index, (cells, galleys)) in rows.iter().zip(galleys).enumerate() {
         let tallest = galleys.iter().map(|galley| galley.text.size().y + 2.0);
@@ -255,15 +254,14 @@ fn body(
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         response.widget_info(|| {
             let texts: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();
-            let is_selected = selected == Some(index);
-            WidgetInfo::selected(Role::Button, true, is_selected, texts.join(", "))
+            WidgetInfo::selected(
+                Role::Button,
+                true,
+                selected == Some(index),
+                texts.join(", "),
+            )
         });
-        if selected == Some(index) {
-            ui.painter().rect_filled(rect, 2.0, palette.raised);
-        } else if response.hovered() || response.has_focus() {
-            ui.painter()
-                .rect_filled(rect, 2.0, palette.hovered.gamma_multiply(0.5));
-        }
+        row_ground(ui, &response, 2.0, selected == Some(index));
         for (k, (galley, column)) in galleys.iter().zip(columns).enumerate() {
             let x = places.x(rect.left(), k, column.numeric, galley.width());
             galley.paint(ui, x, rect.center().y);

@@ -30,7 +30,7 @@ fn clean_data_have_no_cards() {
     assert!(harness.query_by_label_contains("Add to model").is_none());
     harness.get_by_label("Diagnosis finished: nothing was found.");
     harness.get_by_label_contains("No finding does not mean no fault");
-    press(&mut harness, "What these poses cannot show");
+    press(&mut harness, "Not detectable with these poses");
     harness.get_by_label_contains("These poses cannot reveal");
     let record = document(&harness)
         .session()

@@ -83,7 +83,7 @@ fn what_no_catalogue_has_is_typed_and_named_by_the_doctor() {
     // A mistake has its line and column while one types.
     type_text(&mut harness, &CROSSTALK.replace("paid_of(next)", "tension"));
     harness.get_by_label_contains("Line 10, column 16: found N, expected");
-    harness.get_by_label("Appears here once the text has no mistake.");
+    harness.get_by_label("Appears here once the text has no error.");
 
     type_text(&mut harness, CROSSTALK);
     harness.get_by_label_contains("Size on cable-3: ");

@@ -107,7 +107,7 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     );
     press(&mut bench.harness, "The first pose is the home pose");
     assert_eq!(poses(&bench), 10);
-    assert!(bench.shows("No mistake is found in the readings."));
+    assert!(bench.shows("No mistake was found in the readings."));
 
     // Steps of the recipe are undone one by one, and done again.
     bench.undo();
@@ -193,11 +193,11 @@ fn is_sent_back(text: &str, sentence: &str, corrected: &str) {
     press(&mut bench.harness, "Back to import");
     assert_eq!(model(&bench).screen, Screen::Import);
     assert_eq!(import(&bench).draft.next_undo(), Some(corrected));
-    assert!(bench.shows("No mistake is found in the readings."));
+    assert!(bench.shows("No mistake was found in the readings."));
 
     // The correction can be undone in the recipe, and the import in the session.
     bench.undo();
-    assert!(!bench.shows("No mistake is found in the readings."));
+    assert!(!bench.shows("No mistake was found in the readings."));
     give(&mut bench.harness, Command::Redo);
     give(&mut bench.harness, RecordingCommand::Finish);
     assert!(!bench.shows(sentence));
@@ -211,7 +211,7 @@ fn is_sent_back(text: &str, sentence: &str, corrected: &str) {
 
     // The recipe is corrected already: going back again does not reverse the sign once more.
     press(&mut bench.harness, "Back to import");
-    assert!(bench.shows("No mistake is found in the readings."));
+    assert!(bench.shows("No mistake was found in the readings."));
     give(&mut bench.harness, RecordingCommand::Finish);
     assert_eq!(bench.session().measurements, right);
 }
@@ -272,7 +272,7 @@ fn mistakes_are_corrected_by_one_click_each() {
     assert!(bench.shows("rev_3 falls where it should rise"));
     press(&mut bench.harness, "Correct rev_5, rev_6");
     press(&mut bench.harness, "Correct rev_3");
-    assert!(bench.shows("No mistake is found in the readings."));
+    assert!(bench.shows("No mistake was found in the readings."));
     assert_eq!(used(&bench, "rev_5"), Some("rev_6"));
     assert_eq!(import(&bench).draft.next_undo(), Some("correct rev_3"));
     bench.undo();
@@ -296,7 +296,7 @@ fn another_robot_than_the_measured_one_is_not_called_right() {
     });
     let file = bench.write("log.csv", &example("log.csv"));
     give(&mut bench.harness, RecordingCommand::Read(file));
-    assert!(!bench.shows("No mistake is found in the readings."));
+    assert!(!bench.shows("No mistake was found in the readings."));
     assert!(bench.shows("rev_1 … rev_8: winch revolutions"));
     assert!(bench.shows("force_1_n … force_8_n: cable force"));
     press(&mut bench.harness, "force_1_n, force_1_n");

@@ -386,7 +386,7 @@ fn an_error_without_a_name_has_one_card_with_its_own_readings() {
     harness.get_by_label_contains("Evidence of finding 2: The length readings of cable-3 against");
     let symptom = "Evidence of finding 1: ";
     assert!(harness.query_by_label_contains(symptom).is_none());
-    press(&mut harness, "Where else it shows (1)");
+    press(&mut harness, "Other readings that show it (1)");
     let plot = harness.get_by_label_contains(symptom);
     let name = plot.accesskit_node().label().expect("a name");
     assert!(name.contains("laser") && !name.contains("cable"), "{name}");

@@ -275,7 +275,7 @@ fn mistakes_of_an_import_are_corrected_on_the_way() {
         give(&mut bench.harness, ViewCommand::Go(Screen::Phase(other)));
     }
     press(&mut bench.harness, "Next: Back to import");
-    assert!(bench.shows("No mistake is found"));
+    assert!(bench.shows("No mistake was found"));
     give(&mut bench.harness, RecordingCommand::Finish);
     assert_eq!(primary(&bench.harness, phase), "Identify the pulleys");
     press(&mut bench.harness, "Next: Identify the pulleys");

@@ -127,7 +127,8 @@ pub(super) fn not_recorded(model: &mut Model) {
 
 pub(super) fn written(
     model: &mut Model,
-    (values, purpose): (&[(String, f64)], Purpose),
+    values: &[(String, f64)],
+    purpose: Purpose,
     result: Result<Box<Written>, String>,
     read_back: Option<&[NamedValue]>,
 ) {

@@ -1,7 +1,6 @@
 //! Files of phases 3 and 5.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use tautline_import::{Dialect, read_description_text};
 use tautline_link::export::{differences_csv, identified_constants};
@@ -9,7 +8,7 @@ use tautline_session::{write_check, write_plan, write_text};
 use tautline_workflow::exporting::dialect_text;
 
 use crate::commands::file_dialog::pick;
-use crate::commands::file_tasks::{ask_save, write as write_file, written};
+use crate::commands::file_tasks::{ask_save, file_label, write as write_file, written};
 use crate::model::Model;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{CorrectedFile, Export, FileCorrection, RobotCommand};
@@ -26,8 +25,6 @@ pub(super) fn write(model: &mut Model, export: Export, path: PathBuf) {
     };
     write_file(model, "Writing a file", path, move |path| {
         write_text(path, &text)
-            .map(|()| None)
-            .map_err(|error| error.to_string())
     });
 }
 
@@ -47,7 +44,7 @@ fn content(model: &Model, export: Export) -> Option<String> {
             return (!lines.is_empty()).then(|| differences_csv(lines));
         }
         Export::StructuredText => {
-            let fit = open.fit().filter(|_| open.fit_is_current())?;
+            let fit = open.current_fit()?;
             return Some(identified_constants(&fit.model));
         }
     }
@@ -61,15 +58,14 @@ pub(super) fn ask_firmware(model: &mut Model) {
 
 /// Replaces the values in the text of a file; the file itself stays unchanged.
 pub(super) fn correct(model: &mut Model, path: &Path) {
-    let open = model.open.as_ref().filter(|open| open.fit_is_current());
-    let Some((inputs, fit)) = open.and_then(|open| Some((open.inputs(), Arc::clone(open.fit()?))))
-    else {
+    let open = model.open.as_ref();
+    let fit = open.and_then(|open| Some((open.inputs(), open.current_fit()?.clone())));
+    let Some((inputs, fit)) = fit else {
         return;
     };
     let path = path.to_owned();
     model.tasks.start("Correcting a file", move |_| {
-        let file = path.file_name().unwrap_or_default();
-        let file = file.to_string_lossy().into_owned();
+        let file = file_label(&path);
         let corrected = || -> Result<_, String> {
             let text = read_description_text(&path).map_err(|error| error.to_string())?;
             let dialect = Dialect::of(&text).ok_or_else(|| {

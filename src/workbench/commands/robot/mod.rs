@@ -129,7 +129,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
         } => {
             model.link.writing = false;
             let read_back = take_read_back(model, holds);
-            adjust::written(model, (&values, purpose), result, read_back.as_deref());
+            adjust::written(model, &values, purpose, result, read_back.as_deref());
         }
         DriverEvent::Settled {
             found,

@@ -8,7 +8,7 @@ use crate::model::{Model, OpenSession, UiRequest};
 
 /// Model that predicts the readings: the identified one if it is current, otherwise the description.
 pub(super) fn reference(open: &OpenSession) -> Robot {
-    match open.fit().filter(|_| open.fit_is_current()) {
+    match open.current_fit() {
         Some(fit) => fit.model.clone(),
         None => open.session().robot.clone(),
     }
@@ -16,8 +16,7 @@ pub(super) fn reference(open: &OpenSession) -> Robot {
 
 /// Shows the robot and its readings; records in the session if they are simulated.
 pub(super) fn watch(model: &mut Model) {
-    let connected = model.link.connected.as_ref();
-    let is_simulated = connected.is_some_and(|one| one.rig.kind == RobotKind::OfDescription);
+    let is_simulated = model.robot_kind() == Some(RobotKind::OfDescription);
     if let Some(open) = model.open.as_mut().filter(|_| is_simulated) {
         open.record(|session| session.has_simulated_readings = true);
     }

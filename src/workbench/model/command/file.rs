@@ -50,7 +50,7 @@ pub enum FileCommand {
 
 /// Action that closes the open session or its connection, perhaps after a question.
 #[derive(Debug)]
-pub enum Leaving {
+pub enum PendingAction {
     Open(Box<Opening>),
     Close,
     Quit,
@@ -58,7 +58,7 @@ pub enum Leaving {
     Robot(RobotCommand),
 }
 
-impl Leaving {
+impl PendingAction {
     /// Whether the open session must be saved first.
     pub(crate) fn keeps_session(&self) -> bool {
         matches!(self, Self::Open(opening) if opening.origin == Origin::Series)
@@ -105,8 +105,9 @@ pub enum FileOutcome {
     UnsavedSessions(Result<Vec<UnsavedSession>, String>),
     Saved {
         path: PathBuf,
-        /// Id of the session and the revision that was written.
-        state: (u64, u64),
+        /// Number of the session.
+        identity: u64,
+        revision: u64,
         /// Nothing, or an error message.
         result: Result<(), String>,
     },

@@ -17,7 +17,7 @@ mod study;
 mod view;
 
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
-pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening, Origin};
+pub use file::{Answer, FileCommand, FileOutcome, Opening, Origin, PendingAction};
 pub use hypothesis::{DRAWING, HypothesisCommand, HypothesisOutcome, PreviewResult, TRYING};
 pub use identification::{
     DIAGNOSING, DiagnosisResult, FORMULAS, IDENTIFYING, IdentificationCommand,

@@ -3,7 +3,7 @@
 use tautline_link::adjusting::Difference;
 use tautline_session::{Outcome, Session, Stage};
 
-use super::{Action, NextStep, Problem, connecting, identification, of_controller, status};
+use super::{NextStep, Problem, Remedy, connecting, identification, of_controller, status};
 use crate::model::command::{ReportCommand, RobotCommand};
 use crate::model::phase::{Phase, PhaseStatus, Progress};
 use crate::model::{Model, OpenSession};
@@ -19,39 +19,35 @@ pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
     let mut problems: Vec<Problem> = of_values(model, open).into_iter().collect();
     problems.extend(of_controller(model));
     let review = model.review();
-    let with_controller = |text: &str, (action, then): (Action, &'static str)| {
-        let (action, then) = connecting(model, session).unwrap_or((Some(action), then));
-        Problem::new(text, action, then)
+    let with_controller = |text: &str, remedy: Remedy| {
+        Problem::new(text, connecting(model, session).unwrap_or(remedy))
     };
     problems.extend(
         match session.adjustments().last().map(|last| &last.outcome) {
             Some(Outcome::Failed(why)) if !open.fit_is_current() => {
-                let (action, then) = unidentified(open);
-                Some(Problem::new(why, Some(action), then))
+                Some(Problem::new(why, unidentified(open)))
             }
             Some(Outcome::Failed(why)) => Some(with_controller(why, write(session, &review.lines))),
             Some(Outcome::Begun | Outcome::Unsettled(_)) => {
-                let settle = Action::new("Settle the interrupted values", RobotCommand::Arm);
                 let text = model.unsettled().unwrap_or_default();
                 let then = "Until then, nothing moves and nothing is written.";
-                Some(with_controller(&text, (settle, then)))
+                let title = "Settle the interrupted values";
+                let settle = Remedy::new(title, RobotCommand::Arm, then);
+                Some(with_controller(&text, settle))
             }
             _ => None,
         },
     );
     problems.extend(adjusting::refusal(&review.lines).map(|why| {
-        Problem::new(
-            sentence(&why),
-            None,
-            "End the correction at the controller first.",
-        )
+        let end = Remedy::by_hand("End the correction at the controller first.");
+        Problem::new(sentence(&why), end)
     }));
     let is_worse = |check: &Check| check.state == CheckState::Bad;
     if open.checklist(&review.lines).iter().any(is_worse) {
-        let back = Action::new("Roll back the values", RobotCommand::RollBack);
         let text = "The robot is less accurate than before.";
-        let then = "Take the values back, then diagnose the model.";
-        problems.push(with_controller(text, (back, then)));
+        let then = "Roll back the values, then diagnose the model.";
+        let back = Remedy::new("Roll back the values", RobotCommand::RollBack, then);
+        problems.push(with_controller(text, back));
     }
     if let Err(error) = before_and_after(session) {
         problems.push(with_controller(&error, measure(session, Stage::After)));
@@ -67,89 +63,79 @@ pub fn of_values(model: &Model, open: &OpenSession) -> Option<Problem> {
     }
     let problem = identification::of_values(model, open).into_iter().next()?;
     let then = "Its values can make the robot less accurate.";
-    let go = Action::go(Phase::Identification);
-    Some(Problem::new(problem.text, Some(go), then))
+    let go = Remedy::go(Phase::Identification, then);
+    Some(Problem::new(problem.text, go))
 }
 
 /// Step before anything can be written: measure the poses or identify the pulleys.
-fn unidentified(open: &OpenSession) -> (Action, &'static str) {
-    let action = match open.session().measurements.is_empty() {
-        true => Action::go(Phase::Measuring),
-        false => super::identify(),
-    };
+fn unidentified(open: &OpenSession) -> Remedy {
     let then = match open.fit() {
         Some(_) => "The data changed after the last identification.",
         None => "There is nothing to write before the pulleys are identified.",
     };
-    (action, then)
+    match open.session().measurements.is_empty() {
+        true => Remedy::go(Phase::Measuring, then),
+        false => super::identify(then),
+    }
 }
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let status = status(model, open, Phase::Adjustment);
     if !open.fit_is_current() {
-        let (action, then) = unidentified(open);
-        return NextStep::new(status, Some(action), then);
+        return NextStep::new(status, unidentified(open));
     }
     let review = model.review();
     let checks = open.checklist(&review.lines);
     let next = checks.iter().find(|check| check.state == CheckState::Next);
     let Some(next) = next.map(|check| check.step) else {
-        let action = Action::new(
-            match ReportFormat::FOR_PAPER {
-                ReportFormat::Pdf => "Save report as PDF…",
-                _ => "Save report as HTML…",
-            },
-            ReportCommand::AskSave(ReportFormat::FOR_PAPER),
-        );
+        let title = match ReportFormat::FOR_PAPER {
+            ReportFormat::Pdf => "Save report as PDF…",
+            _ => "Save report as HTML…",
+        };
+        let save = ReportCommand::AskSave(ReportFormat::FOR_PAPER);
         let status = PhaseStatus::new(
             Progress::Done,
             "the robot is adjusted, verified and accepted",
         );
-        return NextStep::new(status, Some(action), "Then: save the session.");
+        return NextStep::new(status, Remedy::new(title, save, "Then: save the session."));
     };
     if next == AdjustmentStep::Accept {
-        let accept = Action::new("Accept the robot", RobotCommand::Accept);
         let figures = before_and_after(open.session()).unwrap_or_default();
         let largest = figures.iter().find(|one| one.name == LARGEST);
         let then = match largest.and_then(|one| one.after_m) {
             Some(m) => format!("It is accepted with errors of at most {:.2} mm.", 1e3 * m),
             None => "Then: save the report.".to_owned(),
         };
-        return NextStep::new(status, Some(accept), then);
+        let accept = Remedy::new("Accept the robot", RobotCommand::Accept, then);
+        return NextStep::new(status, accept);
     }
     let session = open.session();
-    if let Some((action, then)) = connecting(model, session) {
-        return NextStep::new(status, action, then);
+    if let Some(remedy) = connecting(model, session) {
+        return NextStep::new(status, remedy);
     }
-    let (action, then) = match next {
+    let remedy = match next {
         AdjustmentStep::MeasureBefore => missing_parameters(model, &review.lines)
-            .map(|action| {
-                (
-                    action,
-                    "The controller gets parameters for what the doctor found.",
-                )
-            })
             .unwrap_or_else(|| measure(session, Stage::Before)),
         AdjustmentStep::Review | AdjustmentStep::Write => write(session, &review.lines),
         AdjustmentStep::MeasureAfter | AdjustmentStep::Accept => measure(session, Stage::After),
     };
-    NextStep::new(status, Some(action), then)
+    NextStep::new(status, remedy)
 }
 
 /// Writes the values that differ; without differences, measures instead.
-fn write(session: &Session, differences: &[Difference]) -> (Action, &'static str) {
+fn write(session: &Session, differences: &[Difference]) -> Remedy {
     let changes = differences.iter().filter(|one| one.is_writable_change());
     match changes.count() {
         0 => measure(session, Stage::After),
         changes => {
             let title = format!("Write {}…", count(changes, "value"));
             let then = "You are asked for your name before anything is written.";
-            (Action::new(title, RobotCommand::Write), then)
+            Remedy::new(title, RobotCommand::Write, then)
         }
     }
 }
 
-fn measure(session: &Session, stage: Stage) -> (Action, &'static str) {
+fn measure(session: &Session, stage: Stage) -> Remedy {
     let (title, then) = match stage {
         Stage::Before => (
             "Measure before",
@@ -164,24 +150,20 @@ fn measure(session: &Session, stage: Stage) -> (Action, &'static str) {
         Some(run) => format!("{title}: continue ({} of {})", run.rows.len(), run.planned),
         None => title.to_owned(),
     };
-    (Action::new(title, RobotCommand::Verify(stage)), then)
+    Remedy::new(title, RobotCommand::Verify(stage), then)
 }
 
 /// Adds the missing parameters for effects to a simulated controller.
-fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Action> {
-    let kind = model
-        .link
-        .connected
-        .as_ref()
-        .map(|connected| connected.rig.kind);
+fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Remedy> {
     let mut effects = differences
         .iter()
         .filter(|one| one.name.starts_with("effect."));
     let is_unknown = effects.any(|one| one.controller.is_none());
-    (is_unknown && kind == Some(RobotKind::OfSession)).then(|| {
-        Action::new(
+    (is_unknown && model.robot_kind() == Some(RobotKind::OfSession)).then(|| {
+        Remedy::new(
             "Add the parameters to the simulated controller",
             RobotCommand::ConnectAndArm,
+            "The controller gets parameters for what the doctor found.",
         )
     })
 }

@@ -3,14 +3,14 @@
 use tautline_workflow::precalibration::Table;
 use tautline_workflow::wording::sentence;
 
-use super::{Action, NextStep, Problem, plan, status};
+use super::{NextStep, Problem, Remedy, plan, status};
 use crate::model::command::ImportCommand;
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Progress};
 use crate::model::{Model, OpenSession, phase_status};
 
 /// Applies measured values, those of phase 1 all at once.
-pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usize) -> NextStep {
+pub(super) fn of(model: &Model, open: &OpenSession, phase: Phase, poses: usize) -> NextStep {
     let status = status(model, open, phase);
     let calibration = open.calibration();
     let (proposal, values) = match phase {
@@ -21,18 +21,16 @@ pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usi
     if let (Some(robot), Progress::InProgress) = (robot, status.progress) {
         let name = format!("apply measured {values}");
         let edit = Edit::SetRobot(Box::new(robot.clone()), name.clone());
-        let action = Action::new(sentence(&name), edit);
-        return NextStep::new(status, Some(action), "Then: measure poses.");
+        let apply = Remedy::new(sentence(&name), edit, "Then: measure poses.");
+        return NextStep::new(status, apply);
     }
     let session = open.session();
-    let (action, then) = match session.plan.is_empty() && session.measurements.is_empty() {
-        true => (
-            plan(poses).in_phase(Phase::Measuring),
-            "Then: connect the controller and measure.",
-        ),
-        false => (Action::go(Phase::Measuring), "Poses are planned."),
+    let then = "Then: connect the controller and measure.";
+    let remedy = match session.plan.is_empty() && session.measurements.is_empty() {
+        true => plan(poses, then).in_phase(Phase::Measuring),
+        false => Remedy::go(Phase::Measuring, "Poses are planned."),
     };
-    NextStep::new(status, Some(action), then)
+    NextStep::new(status, remedy)
 }
 
 /// Tables without usable values.
@@ -61,9 +59,9 @@ pub(super) fn problems(open: &OpenSession, phase: Phase) -> Vec<Problem> {
             _ => return None,
         };
         let title = format!("Import {} again…", table.file_name());
-        let again = Action::new(title, ImportCommand::Ask(table));
         let then = "Measure it again, and import or type what was read.";
-        Some(Problem::new(sentence(why), Some(again), then))
+        let again = Remedy::new(title, ImportCommand::Ask(table), then);
+        Some(Problem::new(sentence(why), again))
     });
     problems.collect()
 }

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::{Finding, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_core::planning::USUAL_POSES;
 
-use super::{Action, NextStep, Problem, identify, plan, status};
+use super::{NextStep, Problem, Remedy, identify, plan, status};
 use crate::model::command::{FileCommand, IdentificationCommand, ImportCommand, RecordingCommand};
 use crate::model::phase::Phase;
 use crate::model::{Model, OpenSession, findings};
@@ -16,23 +16,19 @@ use tautline_workflow::precalibration::Table;
 use tautline_workflow::readiness::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
 use tautline_workflow::wording::{count, sentence};
 
-/// Action that remedies a problem, with a sentence about the one after it.
-type Remedy = (Action, &'static str);
-
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let status = status(model, open, Phase::Identification);
     if open.session().measurements.is_empty() {
-        let action = Action::go(Phase::Measuring);
-        return NextStep::new(status, Some(action), "Identification needs measured poses.");
+        let go = Remedy::go(Phase::Measuring, "Identification needs measured poses.");
+        return NextStep::new(status, go);
     }
-    let Some(fit) = open.fit().filter(|_| open.fit_is_current()) else {
+    let Some(fit) = open.current_fit() else {
         let then = "Then: check whether the model explains the readings.";
-        return NextStep::new(status, Some(identify()), then);
+        return NextStep::new(status, identify(then));
     };
     let is_doubtful = FitVerdict::of(fit.solution.p_value()) == FitVerdict::Doubtful;
     if is_doubtful && !open.is_model_diagnosed() {
-        let (action, then) = diagnose();
-        return NextStep::new(status, Some(action), then);
+        return NextStep::new(status, diagnose());
     }
     let then = match is_doubtful {
         false => "Then: measure the accuracy, write the values, measure again.",
@@ -40,7 +36,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
             "The model hardly explains the data: values from it can make the robot less accurate."
         }
     };
-    NextStep::new(status, Some(Action::go(Phase::Adjustment)), then)
+    NextStep::new(status, Remedy::go(Phase::Adjustment, then))
 }
 
 /// Problems of the readings and the model, and undecided findings of the diagnosis.
@@ -50,10 +46,8 @@ pub(super) fn problems(model: &Model, open: &OpenSession) -> Vec<Problem> {
     if let Some(diagnosed) = diagnosed {
         let undecided = findings::undecided(open, diagnosed);
         let step = of_findings(model, diagnosed, &undecided);
-        problems.extend(step.map(|(action, then)| {
-            let text = format!("{} to look at.", count(undecided.len(), "finding"));
-            Problem::new(text, Some(action), then)
-        }));
+        let text = format!("{} to look at.", count(undecided.len(), "finding"));
+        problems.extend(step.map(|remedy| Problem::new(text, remedy)));
     }
     problems
 }
@@ -69,11 +63,8 @@ pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Problem> {
         .filter_map(|(_, problem)| problem)
         .collect();
     let written = foreign_writes::sentences(open.session()).into_iter();
-    problems.extend(written.map(|text| {
-        let (action, then) = measure_again(Vec::new());
-        Problem::new(text, Some(action), then)
-    }));
-    if let Some(fit) = open.fit().filter(|_| open.fit_is_current()) {
+    problems.extend(written.map(|text| Problem::new(text, measure_again(Vec::new()))));
+    if let Some(fit) = open.current_fit() {
         problems.extend(of_fit(model, open, fit));
     }
     problems
@@ -88,19 +79,15 @@ pub fn checked<'m>(
     let whole = model.identification.readiness.as_ref();
     let whole = whole.filter(|(of, _)| *of == open.inputs());
     let items = whole.map_or(open.checked_readings(), |(_, found)| &found.checks);
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let is_explained =
         fit.is_some_and(|fit| FitVerdict::of(fit.solution.p_value()) == FitVerdict::Adequate);
     let problem = |item: &CheckItem| {
         (item.outcome == CheckOutcome::Fail && !is_explained).then(|| {
-            let (action, then) = of_check(model, open, item);
-            let advice = item.action.clone();
+            let mut remedy = of_check(model, open, item);
+            remedy.then = item.action.clone().unwrap_or(remedy.then);
             let text = format!("{}: {}", item.title(), item.sentence);
-            Problem::new(
-                text,
-                Some(action),
-                advice.unwrap_or_else(|| then.to_owned()),
-            )
+            Problem::new(text, remedy)
         })
     };
     items.iter().map(|item| (item, problem(item))).collect()
@@ -110,12 +97,12 @@ pub fn checked<'m>(
 fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Remedy {
     match item.name.as_str() {
         COMPLETE | PLAUSIBLE if can_import_again(open.session()) => {
-            let back = Action::new("Back to import", RecordingCommand::Correct);
-            (back, "Then: import the readings again.")
+            let then = "Then: import the readings again.";
+            Remedy::new("Back to import", RecordingCommand::Correct, then)
         }
         PLAUSIBLE => of_model(model, open),
         COMPLETE if !open.missing().is_empty() => {
-            (Action::go(Phase::Measuring), "Then: measure the poses.")
+            Remedy::go(Phase::Measuring, "Then: measure the poses.")
         }
         _ => more_poses(),
     }
@@ -125,20 +112,19 @@ fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Remedy {
 #[must_use]
 pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Problem> {
     let mut problems = Vec::new();
-    let mut add = |text: String, (action, then): Remedy| {
-        problems.push(Problem::new(text, Some(action), then));
-    };
+    let mut add = |text: String, remedy: Remedy| problems.push(Problem::new(text, remedy));
     if !fit.solution.converged() {
         let text = "The identification did not converge: do not use these values.";
         add(text.to_owned(), of_model(model, open));
     }
     if let Some(place) = fit.extrapolation() {
         let text = format!("{}: the result does not hold there.", sentence(&place));
-        let measure = Action::new(
-            "Measure the elongation further",
-            ImportCommand::Show(Table::Elongation),
+        let show = ImportCommand::Show(Table::Elongation);
+        let then = "Then: identify the pulleys again.";
+        add(
+            text,
+            Remedy::new("Measure the elongation further", show, then),
         );
-        add(text, (measure, "Then: identify the pulleys again."));
     }
     let explains = FitVerdict::of(fit.solution.p_value());
     let diagnosed = open.diagnosis().filter(|_| open.is_model_diagnosed());
@@ -160,8 +146,8 @@ fn of_model(model: &Model, open: &OpenSession) -> Remedy {
     of_findings.unwrap_or_else(|| match open.is_model_diagnosed() {
         false => diagnose(),
         true if diagnosed.diagnosis.noise.is_empty() => more_poses(),
-        true => (
-            Action::go(Phase::Modeling),
+        true => Remedy::go(
+            Phase::Modeling,
             "No cause was found, but the noise is not the stated one: correct it in the description.",
         ),
     })
@@ -190,8 +176,12 @@ fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> 
             _ if lasting.len() == undecided.len() => "Add all findings".to_owned(),
             _ => format!("Add {}", count(lasting.len(), "finding")),
         };
-        let action = Action::new(title, findings::adding(diagnosed, &lasting));
-        return Some((action, "Then: the model is identified again."));
+        let add = findings::adding(diagnosed, &lasting);
+        return Some(Remedy::new(
+            title,
+            add,
+            "Then: the model is identified again.",
+        ));
     }
     if !passing.is_empty() {
         let causes = passing.iter().filter_map(|finding| finding.cause());
@@ -205,22 +195,15 @@ fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> 
     let likeliest = diagnosed.subject(&finding.subject);
     Some(if poses.is_empty() {
         let title = format!("Add to model: {likeliest}");
-        let add = Action::new(title, findings::adding(diagnosed, &[finding]));
-        (
-            add,
-            "It is the likeliest of several causes, which are compared above.",
-        )
+        let then = "It is the likeliest of several causes, which are compared above.";
+        Remedy::new(title, findings::adding(diagnosed, &[finding]), then)
     } else if findings::are_planned(open, poses) {
-        (
-            Action::go(Phase::Measuring),
-            "Several causes are possible: the poses that tell them apart are planned.",
-        )
+        let then = "Several causes are possible: the poses that tell them apart are planned.";
+        Remedy::go(Phase::Measuring, then)
     } else {
         let title = format!("Add {} to the plan", count(poses.len(), "pose"));
-        (
-            Action::new(title, findings::planning(open, poses)),
-            "Several causes are possible: measure the poses that tell them apart, or choose one above.",
-        )
+        let then = "Several causes are possible: measure the poses that tell them apart, or choose one above.";
+        Remedy::new(title, findings::planning(open, poses), then)
     })
 }
 
@@ -228,30 +211,26 @@ fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> 
 fn pattern(model: &Model, open: &OpenSession) -> Remedy {
     let found = model.identification.patterns.as_ref();
     match found.filter(|(of, _)| *of == open.inputs()) {
-        None => (
-            Action::new(
-                "What does it look like?",
-                IdentificationCommand::FindFormulas,
-            ),
+        None => Remedy::new(
+            "What does it look like?",
+            IdentificationCommand::FindFormulas,
             "No known cause explains the error: formulas of position, tension and time are tried.",
         ),
-        Some((_, Ok(patterns))) if !patterns.is_empty() => (
-            Action::new(
-                "Extend the model by the likeliest pattern",
-                findings::extending(&patterns[0]),
-            ),
+        Some((_, Ok(patterns))) if !patterns.is_empty() => Remedy::new(
+            "Extend the model by the likeliest pattern",
+            findings::extending(&patterns[0]),
             "A pattern is no cause. Then: the model is identified again.",
         ),
-        Some(_) => (
-            measure_again(Vec::new()).0,
-            "No known cause and no pattern explains the error: look for it in the workshop first.",
-        ),
+        Some(_) => Remedy {
+            then: "No known cause and no pattern explains the error: look for it in the workshop first.".to_owned(),
+            ..measure_again(Vec::new())
+        },
     }
 }
 
 fn diagnose() -> Remedy {
-    let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
-    (action, "Then: add the causes to the model.")
+    let then = "Then: add the causes to the model.";
+    Remedy::new("Diagnose model", IdentificationCommand::Diagnose, then)
 }
 
 /// New series of the same poses, without the repaired effects.
@@ -260,12 +239,10 @@ fn measure_again(repaired: Vec<EffectSetting>) -> Remedy {
         0 => "Measure again",
         _ => "Repaired: measure again",
     };
-    let action = Action::new(title, FileCommand::NewSeries(repaired));
     let then = "The same poses in a new series. The present readings stay in their file.";
-    (action, then)
+    Remedy::new(title, FileCommand::NewSeries(repaired), then)
 }
 
 fn more_poses() -> Remedy {
-    let action = plan(USUAL_POSES).in_phase(Phase::Measuring);
-    (action, "No cause was found: more poses show more.")
+    plan(USUAL_POSES, "No cause was found: more poses show more.").in_phase(Phase::Measuring)
 }

@@ -1,6 +1,6 @@
 //! Next step of phase 3: plan, connect, arm, measure.
 
-use super::{Action, NextStep, Problem, connecting, identify, of_controller, plan, status};
+use super::{NextStep, Problem, Remedy, connecting, identify, of_controller, plan, status};
 use crate::model::command::{ImportCommand, RobotCommand};
 use crate::model::link::{LinkRequest, RunLog};
 use crate::model::phase::{Phase, Progress};
@@ -20,27 +20,27 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     let is_empty = session.measurements.is_empty();
     if is_complete && is_empty && !open.decides_on_poses() {
         let then = "Then: connect the controller and measure.";
-        return NextStep::new(status, Some(plan(poses)), then);
+        return NextStep::new(status, plan(poses, then));
     }
     if is_complete && !is_empty {
         let then = "Then: check whether the model explains the readings.";
         return match open.fit_is_current() {
-            true => NextStep::new(status, Some(Action::go(Phase::Identification)), ""),
-            false => NextStep::new(status, Some(identify()), then),
+            true => NextStep::new(status, Remedy::go(Phase::Identification, "")),
+            false => NextStep::new(status, identify(then)),
         };
     }
-    if let Some((action, then)) = connecting(model, session) {
-        return NextStep::new(status, action, then);
+    if let Some(remedy) = connecting(model, session) {
+        return NextStep::new(status, remedy);
     }
     if let Some(why) = model.undecidable() {
-        return NextStep::new(status, None, why);
+        return NextStep::new(status, Remedy::by_hand(why));
     }
     let title = match is_empty {
         true => "Start measuring",
         false => "Continue measuring",
     };
-    let action = Action::new(title, RobotCommand::Start);
-    NextStep::new(status, Some(action), "Then: the robot moves. Stop: F12.")
+    let then = "Then: the robot moves. Stop: F12.";
+    NextStep::new(status, Remedy::new(title, RobotCommand::Start, then))
 }
 
 /// Problems before and during measuring.
@@ -57,8 +57,9 @@ pub fn failed_save(model: &Model) -> Option<Problem> {
     let text = format!(
         "Pose {label} was measured but could not be saved. The run is paused: free disk space or fix permissions, then retry."
     );
-    let retry = Action::new("Retry save", RobotCommand::RetrySave);
-    Some(Problem::new(text, Some(retry), "Then: the run goes on."))
+    let then = "Then: the run goes on.";
+    let retry = Remedy::new("Retry save", RobotCommand::RetrySave, then);
+    Some(Problem::new(text, retry))
 }
 
 /// Missing home pose, to which revolutions refer.
@@ -69,9 +70,12 @@ pub fn no_home(open: &OpenSession) -> Option<Problem> {
         return None;
     }
     let text = "This robot has no home pose, so revolutions have no reference. Measure it first.";
-    let measure = Action::new("Measure the home pose", ImportCommand::Show(Table::Home));
     let then = "On the home platform, or with another instrument.";
-    Some(Problem::new(text, Some(measure), then))
+    let show = ImportCommand::Show(Table::Home);
+    Some(Problem::new(
+        text,
+        Remedy::new("Measure the home pose", show, then),
+    ))
 }
 
 /// Running measurement without a problem.
@@ -95,19 +99,18 @@ pub(super) fn running(model: &Model) -> Option<NextStep> {
 fn paused(model: &Model) -> Option<NextStep> {
     let run = model.link.run.as_ref().filter(|run| !run.has_ended())?;
     let reason = run.paused.as_ref()?;
-    let resume = Action::new("Resume", LinkRequest::Resume);
-    let arm = Action::new("Arm the controller", RobotCommand::Arm);
-    let action = match (model.link.is_connected(), model.link.is_armed()) {
-        (false, _) => None,
-        (true, false) => Some(arm),
-        (true, true) => Some(resume),
+    let then = format!("{}.", sentence(reason.trim_end_matches('.')));
+    let remedy = match (model.link.is_connected(), model.link.is_armed()) {
+        (false, _) => Remedy::by_hand(then),
+        (true, false) => Remedy::new("Arm the controller", RobotCommand::Arm, then),
+        (true, true) => Remedy::new("Resume", LinkRequest::Resume, then),
     };
     Some(NextStep {
         progress: Progress::Attention,
         done: format!("{}; the run is paused.", poses_measured(run)),
         share: Some(share(run)),
-        action,
-        then: format!("{}.", sentence(reason.trim_end_matches('.'))),
+        action: remedy.action,
+        then: remedy.then,
     })
 }
 

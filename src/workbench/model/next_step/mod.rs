@@ -52,26 +52,6 @@ pub struct Action {
 }
 
 impl Action {
-    fn new(title: impl Into<String>, command: impl Into<Command>) -> Self {
-        Self {
-            title: title.into(),
-            commands: vec![command.into()],
-        }
-    }
-
-    /// Same action in another phase, which is shown first.
-    fn in_phase(mut self, phase: Phase) -> Self {
-        let go = ViewCommand::Go(Screen::Phase(phase));
-        self.commands.insert(0, go.into());
-        self
-    }
-
-    fn go(phase: Phase) -> Self {
-        let title = format!("Go to {}", phase.title().to_lowercase());
-        let go = ViewCommand::Go(Screen::Phase(phase));
-        Self::new(title, go)
-    }
-
     /// Phase in which the action does more than to change the screen.
     fn works_in(&self) -> Option<Phase> {
         match &self.commands[..] {
@@ -81,14 +61,56 @@ impl Action {
     }
 }
 
+/// What can be done, and a sentence on it or on the step after it.
+struct Remedy {
+    /// `None` if no button can do it.
+    action: Option<Action>,
+    then: String,
+}
+
+impl Remedy {
+    fn new(title: impl Into<String>, command: impl Into<Command>, then: impl Into<String>) -> Self {
+        let action = Action {
+            title: title.into(),
+            commands: vec![command.into()],
+        };
+        Self {
+            action: Some(action),
+            then: then.into(),
+        }
+    }
+
+    /// Nothing that a button could do.
+    fn by_hand(then: impl Into<String>) -> Self {
+        Self {
+            action: None,
+            then: then.into(),
+        }
+    }
+
+    fn go(phase: Phase, then: impl Into<String>) -> Self {
+        let title = format!("Go to {}", phase.title().to_lowercase());
+        Self::new(title, ViewCommand::Go(Screen::Phase(phase)), then)
+    }
+
+    /// Goes to a phase first, so that what the command does is seen.
+    fn in_phase(mut self, phase: Phase) -> Self {
+        let go = ViewCommand::Go(Screen::Phase(phase));
+        if let Some(action) = &mut self.action {
+            action.commands.insert(0, go.into());
+        }
+        self
+    }
+}
+
 impl NextStep {
-    fn new(status: PhaseStatus, action: Option<Action>, then: impl Into<String>) -> Self {
+    fn new(status: PhaseStatus, remedy: Remedy) -> Self {
         Self {
             progress: status.progress,
             done: sentence(&status.line),
             share: None,
-            action,
-            then: then.into(),
+            action: remedy.action,
+            then: remedy.then,
         }
     }
 
@@ -117,7 +139,7 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
     let mut problems = problems(model, phase);
     if problems.is_empty() {
         let step = match phase {
-            Phase::Precalibration | Phase::Modeling => bench::of(model, (open, phase), poses),
+            Phase::Precalibration | Phase::Modeling => bench::of(model, open, phase, poses),
             Phase::Measuring => measuring::of(model, open, poses),
             Phase::Identification => identification::of(model, open),
             Phase::Adjustment => adjustment::of(model, open),
@@ -133,7 +155,8 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
         ..status(model, open, phase)
     };
     let Problem { remedy, then, .. } = problems.swap_remove(0);
-    Some(NextStep::new(status, remedy, then))
+    let action = remedy;
+    Some(NextStep::new(status, Remedy { action, then }))
 }
 
 /// Problems of a phase, most urgent first, shown in red. Empty without a session.
@@ -153,7 +176,7 @@ pub fn problems(model: &Model, phase: Phase) -> Vec<Problem> {
 /// State of a phase; for the identification, with the number of poses.
 fn status(model: &Model, open: &OpenSession, phase: Phase) -> PhaseStatus {
     let status = phase_status::of(model, open, phase);
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let (Phase::Identification, Some(fit)) = (phase, fit) else {
         return status;
     };
@@ -193,9 +216,9 @@ fn running(model: &Model, phase: Phase) -> Option<NextStep> {
     }
 }
 
-fn plan(poses: usize) -> Action {
+fn plan(poses: usize, then: &str) -> Remedy {
     let title = format!("Plan {}", count(poses, "pose"));
-    Action::new(title, RobotCommand::Plan(poses))
+    Remedy::new(title, RobotCommand::Plan(poses), then)
 }
 
 /// Motion or writing that was started in another phase.
@@ -221,61 +244,44 @@ fn moving(model: &Model) -> Option<NextStep> {
 fn of_controller(model: &Model) -> Option<Problem> {
     let live = model.link.live();
     if live.lost.is_some() {
-        let now = Action::new("Reconnect now", LinkRequest::TryNow);
         let then = "Tautline reconnects by itself, too.";
-        return Some(Problem::new("The connection is lost.", Some(now), then));
+        let now = Remedy::new("Reconnect now", LinkRequest::TryNow, then);
+        return Some(Problem::new("The connection is lost.", now));
     }
     let Activity::Fault(text) = live.state?.activity else {
         return None;
     };
-    let then = "Clear the fault at the controller: nothing moves before.";
-    Some(Problem::new(format!("Fault: {text}"), None, then))
+    let clear = Remedy::by_hand("Clear the fault at the controller: nothing moves before.");
+    Some(Problem::new(format!("Fault: {text}"), clear))
 }
 
 /// Step that connects and arms the controller of the session; `None` once that is done.
-fn connecting(model: &Model, session: &Session) -> Option<(Option<Action>, &'static str)> {
+fn connecting(model: &Model, session: &Session) -> Option<Remedy> {
     let link = &model.link;
     if link.connecting {
-        return Some((None, "Connecting."));
+        return Some(Remedy::by_hand("Connecting."));
     }
     if !link.is_connected() {
-        return Some(match RobotKind::offered(session) {
-            // A simulated robot is harmless.
-            RobotKind::OfSession => (
-                Some(Action::new(
-                    "Connect and arm the simulated robot",
-                    RobotCommand::ConnectAndArm,
-                )),
-                "Nothing moves yet.",
-            ),
-            RobotKind::OfDescription => (
-                Some(Action::new(
-                    "Choose controller…",
-                    RobotCommand::Setup(Setup::Open),
-                )),
-                "Then: arm it.",
-            ),
-            RobotKind::Recording => (
-                Some(Action::new("Connect the recording", RobotCommand::Connect)),
-                "Then: arm it.",
-            ),
-            RobotKind::Real => (
-                Some(Action::new("Connect the controller", RobotCommand::Connect)),
-                "Then: arm it.",
-            ),
-        });
+        let (title, command) = match RobotKind::offered(session) {
+            RobotKind::OfSession => {
+                let title = "Connect and arm the simulated robot";
+                let command = RobotCommand::ConnectAndArm;
+                return Some(Remedy::new(title, command, "Nothing moves yet."));
+            }
+            RobotKind::OfDescription => ("Choose controller…", RobotCommand::Setup(Setup::Open)),
+            RobotKind::Recording => ("Connect the recording", RobotCommand::Connect),
+            RobotKind::Real => ("Connect the controller", RobotCommand::Connect),
+        };
+        return Some(Remedy::new(title, command, "Then: arm it."));
     }
     (!link.is_armed()).then(|| {
-        let arm = Action::new("Arm the controller", RobotCommand::Arm);
-        (
-            Some(arm),
-            "Arming allows motion and writing; nothing moves yet.",
-        )
+        let then = "Arming allows motion and writing; nothing moves yet.";
+        Remedy::new("Arm the controller", RobotCommand::Arm, then)
     })
 }
 
 /// Identification, in its phase.
-fn identify() -> Action {
+fn identify(then: &str) -> Remedy {
     let identify = IdentificationCommand::Identify;
-    Action::new("Identify the pulleys", identify).in_phase(Phase::Identification)
+    Remedy::new("Identify the pulleys", identify, then).in_phase(Phase::Identification)
 }

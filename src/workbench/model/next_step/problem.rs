@@ -1,6 +1,6 @@
 //! Problems with their remedies.
 
-use super::Action;
+use super::{Action, Remedy};
 
 /// Problem, shown in red on a screen.
 #[derive(Debug, Clone)]
@@ -13,15 +13,11 @@ pub struct Problem {
 }
 
 impl Problem {
-    pub(super) fn new(
-        text: impl Into<String>,
-        remedy: Option<Action>,
-        then: impl Into<String>,
-    ) -> Self {
+    pub(super) fn new(text: impl Into<String>, remedy: Remedy) -> Self {
         Self {
             text: text.into(),
-            remedy,
-            then: then.into(),
+            remedy: remedy.action,
+            then: remedy.then,
         }
     }
 }

@@ -4,14 +4,11 @@ use egui::{Align, Label, Layout, RichText, Ui};
 use egui_material_icons::{MaterialIcon, icons};
 use tautline_link::adjusting::Difference;
 
-use crate::model::Model;
+use crate::model::OpenSession;
 use crate::theme::{self, GRID, Palette};
 use tautline_workflow::adjusting::{Check, CheckState};
 
-pub(super) fn show(ui: &mut Ui, model: &Model, differences: &[Difference]) {
-    let Some(open) = &model.open else {
-        return;
-    };
+pub(super) fn show(ui: &mut Ui, open: &OpenSession, differences: &[Difference]) {
     ui.add_space(GRID);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.5 * GRID;

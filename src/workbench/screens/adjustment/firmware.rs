@@ -4,28 +4,19 @@ use egui::Ui;
 use egui_material_icons::icons;
 
 use crate::model::Model;
-use crate::model::command::{
-    CorrectedFile, FileCorrection, Outbox, PlotCommand, PlotFile, RobotCommand,
-};
-use crate::widgets::{Cell, TableColumn, Verdict, icon_button, muted, section, table, verdict};
+use crate::model::command::{CorrectedFile, Outbox, PlotCommand, PlotFile, RobotCommand};
+use crate::widgets::{Cell, TableColumn, UiExt, icon_button, table};
 
 pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    section(ui, "Firmware or simulator");
-    muted(
-        ui,
-        "The identified values in your config.g, printer.cfg, maslow.yaml or model of MuJoCo, ROS or Gazebo. The file itself stays as it is.",
-    );
+    ui.section("Firmware or simulator");
+    ui.muted("The identified values in your config.g, printer.cfg, maslow.yaml or model of MuJoCo, ROS or Gazebo. The file itself stays as it is.");
     let corrected = model.corrected_file();
+    let corrected = corrected.map(|one| (&one.file, &one.result));
     ui.horizontal_wrapped(|ui| {
         if icon_button(ui, icons::ICON_FOLDER_OPEN, "Choose file…", true).clicked() {
             outbox.send(RobotCommand::AskFirmware);
         }
-        if let Some(FileCorrection {
-            file,
-            result: Ok(corrected),
-            ..
-        }) = corrected
-        {
+        if let Some((file, Ok(corrected))) = corrected {
             if icon_button(ui, icons::ICON_CONTENT_COPY, "Copy lines", true).clicked() {
                 ui.ctx().copy_text(corrected.lines.clone());
             }
@@ -37,14 +28,8 @@ pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
     match corrected {
         None => {}
-        Some(FileCorrection {
-            result: Err(error), ..
-        }) => verdict(ui, Verdict::Bad, error),
-        Some(FileCorrection {
-            file,
-            result: Ok(corrected),
-            ..
-        }) => changes(ui, file, corrected),
+        Some((_, Err(error))) => ui.bad(error),
+        Some((file, Ok(corrected))) => changes(ui, file, corrected),
     }
 }
 
@@ -72,6 +57,6 @@ fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
         })
         .collect();
     ui.label(corrected.written.loss_in_words());
-    muted(ui, &format!("{file}: {} values change", rows.len()));
+    ui.muted(&format!("{file}: {} values change", rows.len()));
     table(ui, &columns, &rows, None);
 }

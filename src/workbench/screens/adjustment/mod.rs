@@ -19,7 +19,7 @@ use crate::model::link::LinkRequest;
 use crate::model::next_step::of_values;
 use crate::model::{Memo, Model, OpenSession};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button};
 use tautline_workflow::accuracy::Figure;
 use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::RobotKind;
@@ -42,14 +42,11 @@ pub struct PanelState {
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    heading(ui, "Adjustment");
+    ui.heading("Adjustment");
     if model.link.verifying.is_some() {
         return verification::under_way(ui, model, panel, outbox);
     }
-    muted(
-        ui,
-        "The identified values are written to the controller; an external instrument verifies the result.",
-    );
+    ui.muted("The identified values are written to the controller; an external instrument verifies the result.");
     let Some(open) = &model.open else {
         return;
     };
@@ -61,26 +58,22 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let review = model.review();
     let is_held = adjusting::written(open.session(), &review.lines).is_some();
     verification::result(ui, open, panel, is_held);
-    checks::show(ui, model, &review.lines);
+    checks::show(ui, open, &review.lines);
     controller::show(ui, model, outbox);
     if current {
-        compare(ui, model, panel, outbox, &review);
+        compare(ui, model, open, panel, outbox, &review);
         write(ui, model, outbox, &review);
         firmware::show(ui, model, outbox);
     }
-    record::show(ui, model);
+    record::show(ui, open);
     verification::show(ui, model, panel, outbox);
-    reveal::show(ui, model, outbox);
+    reveal::show(ui, open, outbox);
 }
 
 /// Warns against values that could make the robot less accurate.
 fn doubt(ui: &mut Ui, model: &Model, open: &OpenSession) {
     if let Some(problem) = of_values(model, open) {
-        verdict(
-            ui,
-            Verdict::Bad,
-            &format!("{} {}", problem.text, problem.then),
-        );
+        ui.bad(&format!("{} {}", problem.text, problem.then));
     }
 }
 
@@ -93,35 +86,33 @@ fn missing(ui: &mut Ui, open: &OpenSession) {
     } else {
         "The pulleys are not identified yet: there is nothing to write."
     };
-    verdict(ui, Verdict::Neutral, text);
+    ui.neutral(text);
 }
 
 fn compare(
     ui: &mut Ui,
     model: &Model,
+    open: &OpenSession,
     panel: &mut PanelState,
     outbox: &mut Outbox,
     review: &Review,
 ) {
-    section(ui, "Controller and identified model");
+    ui.section("Controller and identified model");
     if !model.link.is_connected() {
         let is_recorded = review.lines.iter().any(|line| line.controller.is_some());
-        muted(
-            ui,
-            match is_recorded {
-                true => {
-                    "Controller: the values that this session recorded. Connect to read them again."
-                }
-                false => "Connect the controller to compare its values with the identified ones.",
-            },
-        );
+        ui.muted(match is_recorded {
+            true => {
+                "Controller: the values that this session recorded. Connect to read them again."
+            }
+            false => "Connect the controller to compare its values with the identified ones.",
+        });
     }
-    table::show(ui, model, panel, outbox, &review.lines);
+    table::show(ui, model, open, panel, outbox, &review.lines);
     if let Some(doubt) = &review.unsupported {
-        verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
+        ui.doubtful(&format!("{}.", doubt.sentence));
         identify_without(ui, review, outbox);
     }
-    let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = model.robot_kind();
     let simulated = matches!(kind, Some(RobotKind::OfSession | RobotKind::OfDescription));
     if !review.effects.is_empty() && simulated {
         let free = !model.link.is_busy();
@@ -150,7 +141,7 @@ fn compare(
 fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
     let changes = review.changes().count();
     ui.add_space(GRID);
-    let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = model.robot_kind();
     let writable = kind != Some(RobotKind::Recording);
     let ready = model.link.is_armed() && !model.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {
@@ -167,13 +158,9 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
         return;
     }
     if let Some(why) = adjusting::refusal(&review.lines) {
-        verdict(ui, Verdict::Bad, &format!("{}.", sentence(&why)));
+        ui.bad(&format!("{}.", sentence(&why)));
     } else if changes == 0 {
-        verdict(
-            ui,
-            Verdict::Good,
-            "The controller holds the identified values.",
-        );
+        ui.good("The controller holds the identified values.");
     } else {
         let note = match kind {
             Some(RobotKind::OfDescription) => {
@@ -186,7 +173,7 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
             1 => "1 value differs from that of the controller.".to_owned(),
             several => format!("{several} values differ from those of the controller."),
         };
-        muted(ui, &(differ + note));
+        ui.muted(&(differ + note));
     }
 }
 

@@ -3,23 +3,20 @@
 use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};
 
-use crate::model::Model;
-use crate::widgets::{Verdict, muted, section, verdict};
+use crate::model::OpenSession;
+use crate::widgets::{UiExt, Verdict};
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::local_time::date_and_time;
 
 /// Draws the last outcome and the record.
-pub(super) fn show(ui: &mut Ui, model: &Model) {
-    let Some(open) = &model.open else {
-        return;
-    };
+pub(super) fn show(ui: &mut Ui, open: &OpenSession) {
     let adjustments = open.session().adjustments();
     let Some(last) = adjustments.last() else {
         return;
     };
-    section(ui, "Adjustment history");
+    ui.section("Adjustment history");
     let (kind, text) = words(last);
-    verdict(ui, kind, &text);
+    ui.verdict(kind, &text);
     let header = CollapsingHeader::new(format!("History ({})", adjustments.len()));
     header.id_salt("record").show(ui, |ui| {
         for adjustment in adjustments.iter().rev() {
@@ -29,8 +26,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model) {
                 name => name,
             };
             let when = date_and_time(adjustment.time);
-            muted(ui, &format!("{when}, {who}, {}", adjustment.controller));
-            ui.add(egui::Label::new(text).wrap());
+            ui.muted(&format!("{when}, {who}, {}", adjustment.controller));
+            ui.wrapped(text);
         }
     });
 }

@@ -4,56 +4,49 @@ use egui::Ui;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::robot::Robot;
 
-use crate::model::Model;
+use crate::model::OpenSession;
 use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
-use crate::widgets::{Verdict, muted, section, value, verdict};
+use crate::widgets::UiExt;
 
 /// Draws the button, or the revealed faults.
-pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(open) = &model.open else {
-        return;
-    };
+pub(super) fn show(ui: &mut Ui, open: &OpenSession, outbox: &mut Outbox) {
     let session = open.session();
     let Some(simulator) = &session.simulator else {
         return;
     };
-    section(ui, "The demonstration");
+    ui.section("The demonstration");
     if !simulator.revealed {
-        muted(ui, "This robot has a hidden random fault. Reveal it last.");
+        ui.muted("This robot has a hidden random fault. Reveal it last.");
         if ui.button("Reveal the hidden fault").clicked() {
             outbox.send(RobotCommand::Reveal);
         }
         return;
     }
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let model = fit.map(|fit| &fit.model);
     for hidden in &simulator.truth.effects {
         effect(ui, &session.robot, hidden, model);
     }
     let added = model.map_or(&[][..], |model| &model.effects);
     for extra in added {
-        let real = simulator
-            .truth
-            .effects
-            .iter()
-            .any(|hidden| same(hidden, extra));
+        let mut hidden = simulator.truth.effects.iter();
+        let real = hidden.any(|hidden| same(hidden, extra));
         if !real && !session.robot.effects.contains(extra) {
-            let text = format!(
+            ui.doubtful(&format!(
                 "In the model but not in the robot: {}",
                 words(&session.robot, extra)
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
     }
-    muted(ui, "RMS distance of the pulleys from their true positions:");
+    ui.muted("RMS distance of the pulleys from their true positions:");
     let drawn = distance_m(&session.robot, &simulator.truth);
-    value(ui, "Nominal", &format!("{:.2}", drawn * 1e3), "mm");
+    ui.value("Nominal", &format!("{:.2}", drawn * 1e3), "mm");
     if let Some(model) = model {
         let found = distance_m(model, &simulator.truth);
-        value(ui, "Identified", &format!("{:.2}", found * 1e3), "mm");
+        ui.value("Identified", &format!("{:.2}", found * 1e3), "mm");
     } else {
-        muted(ui, "Nothing is identified from the current data.");
+        ui.muted("Nothing is identified from the current data.");
     }
 }
 
@@ -62,12 +55,9 @@ fn effect(ui: &mut Ui, robot: &Robot, hidden: &EffectSetting, model: Option<&Rob
     let found = model.and_then(|model| model.effects.iter().find(|known| same(known, hidden)));
     match found {
         Some(found) => {
-            let text = format!("Found: {}", words(robot, found));
-            verdict(ui, Verdict::Good, &text);
+            ui.good(&format!("Found: {}", words(robot, found)));
         }
-        None => verdict(
-            ui,
-            Verdict::Doubtful,
+        None => ui.doubtful(
             "Not found: the identified model has no such effect. Diagnose the model in phase 4.",
         ),
     }

@@ -5,11 +5,11 @@ use tautline_core::robot::Cable;
 use tautline_link::adjusting::Difference;
 
 use super::PanelState;
-use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
+use crate::model::{Model, OpenSession};
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, TableColumn, TableResponse, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, TableResponse, UiExt, checkbox, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
@@ -27,13 +27,11 @@ const COLUMNS: [TableColumn<'static>; 6] = [
 pub(super) fn show(
     ui: &mut Ui,
     model: &Model,
+    open: &OpenSession,
     panel: &mut PanelState,
     outbox: &mut Outbox,
     differences: &[Difference],
 ) {
-    let Some(open) = &model.open else {
-        return;
-    };
     let all = panel.all;
     let shown: Vec<&Difference> = differences
         .iter()
@@ -48,10 +46,10 @@ pub(super) fn show(
         outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.add_space(GRID);
-    muted(ui, "±: the standard deviation of the identified value.");
+    ui.muted("±: the standard deviation of the identified value.");
     checkbox(ui, &mut panel.all, "Show unchanged parameters");
     if shown.is_empty() {
-        muted(ui, "There is nothing to compare.");
+        ui.muted("There is nothing to compare.");
     }
 }
 
@@ -70,7 +68,7 @@ pub(crate) fn lines<'a>(
     {
         let text =
             "none: the model has no such effect, so the controller gets the value without effect.";
-        muted(ui, text);
+        ui.muted(text);
     }
     touched
 }

@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::link::LinkRequest;
 use crate::theme;
-use crate::widgets::{PoseFields, Verdict, muted, primary, verdict};
+use crate::widgets::{PoseFields, UiExt, primary};
 use tautline_workflow::wording::units::mm;
 
 /// Distance from the target (m) above which the typed position may be a typing error.
@@ -31,7 +31,8 @@ pub(super) fn show(
     model: &Model,
     panel: &mut PanelState,
     outbox: &mut Outbox,
-    (number, of): (usize, usize),
+    number: usize,
+    of: usize,
 ) {
     let target = number
         .checked_sub(1)
@@ -49,12 +50,9 @@ pub(super) fn show(
     let title = format!("Where is the platform at {name}?");
     ui.label(RichText::new(title).font(theme::strong(15.0)));
     let [x, y, z] = [0, 1, 2].map(|k| mm(commanded.position[k], 1));
-    muted(
-        ui,
-        &format!(
+    ui.muted(&format!(
             "Target {number} of {of}, commanded to {x}, {y}, {z} mm. Enter angles only if they are measured."
-        ),
-    );
+        ));
     let fields = memory.pose.show(ui, "Measured", is_new);
     let pose = memory.pose.pose();
     let entered = fields.left && ui.input(|input| input.key_pressed(Key::Enter));
@@ -66,10 +64,9 @@ pub(super) fn show(
             let off_m = Vector3::from(pose.position_m) - commanded.position;
             if off_m.norm() > FAR_M {
                 let off_mm = off_m.norm() * 1e3;
-                let text = format!(
+                ui.doubtful(&format!(
                     "This is {off_mm:.0} mm from the target. Check the reading, or enter it anyway."
-                );
-                verdict(ui, Verdict::Doubtful, &text);
+                ));
             }
             if good && (entered || pressed) {
                 memory.sent = true;
@@ -83,7 +80,7 @@ pub(super) fn show(
             } else {
                 waits
             };
-            muted(ui, &text);
+            ui.muted(&text);
         }
     }
 }

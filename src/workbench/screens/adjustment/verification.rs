@@ -12,7 +12,7 @@ use crate::model::{Model, OpenSession};
 use crate::screens::measuring::motion;
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
-use crate::widgets::{Cell, TableColumn, Verdict, icon_button, muted, section, table, verdict};
+use crate::widgets::{Cell, TableColumn, UiExt, Verdict, icon_button, table};
 use tautline_workflow::accuracy::{
     Figure, before_and_after, plot_of_errors, predicted_m, result_in_words,
 };
@@ -23,28 +23,25 @@ use tautline_workflow::wording::units::fixed;
 
 /// Draws buttons, progress and the table of both runs.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    section(ui, "Verification");
-    muted(
-        ui,
-        "The robot moves to test poses, along a circle and a line; an external instrument measures its position \
-         (ISO 9283). Measure once before writing and once after.",
-    );
+    ui.section("Verification");
+    ui.muted("The robot moves to test poses, along a circle and a line; an external instrument measures its position \
+         (ISO 9283). Measure once before writing and once after.");
     buttons(ui, model, outbox);
-    imported(ui, model, outbox);
     let Some(open) = &model.open else {
         return;
     };
+    imported(ui, open, outbox);
     let session = open.session();
     let stages = [Stage::Before, Stage::After].into_iter();
     for run in stages.filter_map(|stage| adjusting::to_continue(session, stage)) {
-        verdict(ui, Verdict::Doubtful, &adjusting::stopped_in_words(run));
+        ui.doubtful(&adjusting::stopped_in_words(run));
     }
     if session.verifications().is_empty() {
         return;
     }
     match figures(open, panel) {
         Ok((figures, ..)) => show_figures(ui, figures),
-        Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
+        Err(error) => ui.bad(&format!("{error}.")),
     }
 }
 
@@ -59,16 +56,10 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         "Connect and arm the controller first"
     };
     if is_recording {
-        muted(
-            ui,
-            "This is a recording without test poses. Import a check.csv instead.",
-        );
+        ui.muted("This is a recording without test poses. Import a check.csv instead.");
     } else if by_hand {
-        muted(
-            ui,
-            "No instrument is connected: at each test pose the robot waits for your reading; or import a check.csv. \
-             The circle and the line are skipped.",
-        );
+        ui.muted("No instrument is connected: at each test pose the robot waits for your reading; or import a check.csv. \
+             The circle and the line are skipped.");
     }
     ui.horizontal_wrapped(|ui| {
         for (text, stage) in [
@@ -97,20 +88,17 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 
 /// Draws a running verification.
 pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    section(ui, "Verification");
+    ui.section("Verification");
     motion::position(ui, model);
     motion::tensions(ui, model);
     match model.link.live().doing {
-        RunStep::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
+        RunStep::Locating { number, of } => typed::show(ui, model, panel, outbox, number, of),
         _ => typed::forget(panel),
     }
 }
 
 /// Asks which run an imported table belongs to.
-fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(open) = &model.open else {
-        return;
-    };
+fn imported(ui: &mut Ui, open: &OpenSession, outbox: &mut Outbox) {
     let session = open.session();
     let check = &session.phases.check;
     let taken = session.verifications().iter().any(|run| run.rows == *check);
@@ -147,14 +135,14 @@ pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is
         (false, true) => Verdict::Bad,
         (false, false) => Verdict::Doubtful,
     };
-    verdict(ui, kind, &text);
+    ui.verdict(kind, &text);
     let name = "Position errors before and after";
     small::show(ui, name, plot, 40.0 * GRID, Selection::default());
 }
 
 fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
     let session = open.session();
-    let fit = open.fit().filter(|_| open.fit_is_current());
+    let fit = open.current_fit();
     let key = (open.id(), open.revision(), fit.is_some());
     panel.figures.get(key, || {
         let runs = session.verifications().iter();

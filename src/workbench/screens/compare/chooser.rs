@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{SessionSource, Side};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, named, path_field};
+use crate::widgets::{icon_button, named, path_field};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};
@@ -26,14 +26,11 @@ const NARROW: f32 = 560.0;
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         let is_narrow = ui.available_width() < NARROW;
-        heading(
-            ui,
-            if is_narrow {
-                "Compare"
-            } else {
-                "Compare two sessions"
-            },
-        );
+        ui.heading(if is_narrow {
+            "Compare"
+        } else {
+            "Compare two sessions"
+        });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 outbox.send(ViewCommand::Go(model.previous_screen()));
@@ -68,7 +65,7 @@ fn row(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &
     match model.comparison.source(side) {
         Some(source) => {
             let path = &mut panel.paths[side as usize];
-            chosen(ui, model, path, (side, source), outbox);
+            chosen(ui, model, path, side, source, outbox);
         }
         None => choose(ui, model, panel, side, outbox),
     }
@@ -78,7 +75,8 @@ fn chosen(
     ui: &mut Ui,
     model: &Model,
     path: &mut String,
-    (side, source): (Side, &SessionSource),
+    side: Side,
+    source: &SessionSource,
     outbox: &mut Outbox,
 ) {
     if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {
@@ -127,7 +125,7 @@ fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox
     let path = &mut panel.paths[side as usize];
     let hint = "Path of a session or a dataset folder, or drop it on the window";
     let width = (ui.available_width() - 420.0).clamp(160.0, 560.0);
-    let entered = path_field(ui, (&format!("Path of {name}"), hint), path, width);
+    let entered = path_field(ui, &format!("Path of {name}"), hint, path, width);
     let typed = !path.trim().is_empty();
     let take = named(
         ui.add_enabled(typed, Button::new("Use")),

@@ -17,7 +17,7 @@ use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
 use crate::views::robot_3d::scene::{Scene, SceneInputs};
 use crate::views::robot_3d::show_beside;
-use crate::widgets::{Verdict, empty, muted, one_part, panel_frame, section, verdict};
+use crate::widgets::{UiExt, Verdict, one_part, panel_frame};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
 use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::samples::Sample;
@@ -30,12 +30,12 @@ pub struct PanelState {
     /// Part shown in a small window.
     part: ScreenPart,
     /// Comparison drawn last.
-    drawn: Option<Drawn>,
+    drawn: Option<ComparisonView>,
 }
 
 /// Comparison prepared for drawing.
 #[derive(Debug)]
-struct Drawn {
+struct ComparisonView {
     compared: Arc<Compared>,
     /// Both geometries.
     scene: Arc<Scene>,
@@ -43,7 +43,7 @@ struct Drawn {
     residuals: Figure,
 }
 
-impl Drawn {
+impl ComparisonView {
     fn new(compared: &Arc<Compared>) -> Self {
         let fits = compared.runs.each_ref().map(|run| run.fit.as_ref());
         let [first, _] = fits;
@@ -61,11 +61,18 @@ impl Drawn {
 
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
+/// Parts, and their titles in a small window.
+const PARTS: [(ScreenPart, &str); 3] = [
+    (ScreenPart::Panel, "Differences"),
+    (ScreenPart::Robot, "3D view"),
+    (ScreenPart::Plots, "Residuals"),
+];
 
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     Panel::top("compared sessions")
@@ -77,78 +84,66 @@ pub fn show(
             let known = known.filter(|drawn| Arc::ptr_eq(&drawn.compared, compared));
             let drawn = known.unwrap_or_else(|| {
                 views.compared_3d.look_anew();
-                Drawn::new(compared)
+                ComparisonView::new(compared)
             });
-            if ui.available_width() < COMPACT {
-                compact(ui, model, &drawn, (&mut panel.part, views), outbox);
-            } else {
-                wide(ui, model, &drawn, views, outbox);
-            }
+                let draw = |ui: &mut Ui, part: ScreenPart| match part {
+                    ScreenPart::Panel => differences(ui, model, &drawn, views, outbox),
+                    ScreenPart::Robot => robots(ui, model, &drawn, views, outbox),
+                    ScreenPart::Plots => residuals(ui, model, &drawn, outbox),
+                };
+                if ui.available_width() < COMPACT {
+                    one_part(ui, &mut panel.part, PARTS, draw);
+                } else {
+                    wide(ui, draw);
+                }
             panel.drawn = Some(drawn);
         }
         Some(Err(error)) => {
             ui.add_space(6.0 * GRID);
             ui.horizontal(|ui| {
                 ui.add_space(3.0 * GRID);
-                verdict(ui, Verdict::Bad, error);
+                ui.bad(error);
             });
         }
         None if model.tasks.runs(COMPARING) => {
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
-        None => empty(
-            ui,
-            "Choose two sessions of the same robot, such as before and after a repair. The comparison shows which pulleys have moved and what is only noise.",
-        ),
+        None => ui.empty("Choose two sessions of the same robot, such as before and after a repair. The comparison shows which pulleys have moved and what is only noise."),
     }
 }
 
 /// All parts side by side.
-fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
+fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
     let side = panel_frame(ui);
     Panel::right("differences")
         .frame(side)
         .default_size(600.0)
         .size_range(420.0..=760.0)
-        .show(ui, |ui| differences(ui, model, drawn, views, outbox));
+        .show(ui, |ui| draw(ui, ScreenPart::Panel));
     Panel::bottom("residuals of both")
         .frame(side)
         .default_size(230.0)
         .size_range(140.0..=500.0)
-        .show(ui, |ui| residuals(ui, model, drawn, outbox));
-    CentralPanel::no_frame().show(ui, |ui| robots(ui, model, drawn, views, outbox));
+        .show(ui, |ui| draw(ui, ScreenPart::Plots));
+    CentralPanel::no_frame().show(ui, |ui| draw(ui, ScreenPart::Robot));
 }
 
-/// One part at a time, in a small window.
-fn compact(
+fn robots(
     ui: &mut Ui,
     model: &Model,
-    drawn: &Drawn,
-    (part, views): (&mut ScreenPart, &mut ViewStates),
+    drawn: &ComparisonView,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
-    let parts = [
-        (ScreenPart::Panel, "Differences"),
-        (ScreenPart::Robot, "3D view"),
-        (ScreenPart::Plots, "Residuals"),
-    ];
-    one_part(ui, part, parts, |ui, part| match part {
-        ScreenPart::Panel => differences(ui, model, drawn, views, outbox),
-        ScreenPart::Robot => robots(ui, model, drawn, views, outbox),
-        ScreenPart::Plots => residuals(ui, model, drawn, outbox),
-    });
-}
-
-fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
-    let view = (&mut views.compared_3d, &mut views.hovered);
-    show_beside(ui, &drawn.scene, model.selection, view, outbox);
+    let (view, hovered) = (&mut views.compared_3d, &mut views.hovered);
+    show_beside(ui, &drawn.scene, model.selection, view, hovered, outbox);
 }
 
 /// Panel on the right: the verdict, then all differences.
 fn differences(
     ui: &mut Ui,
     model: &Model,
-    drawn: &Drawn,
+    drawn: &ComparisonView,
     views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
@@ -160,16 +155,12 @@ fn differences(
         } else {
             Verdict::Good
         };
-        verdict(ui, kind, &in_words(comparison));
+        ui.verdict(kind, &in_words(comparison));
         for sentence in unexplained(comparison, ["A", "B"]) {
-            verdict(ui, Verdict::Bad, &sentence);
+            ui.bad(&sentence);
         }
         if is_outdated(model, compared) {
-            verdict(
-                ui,
-                Verdict::Doubtful,
-                "The open session was changed since it was compared.",
-            );
+            ui.doubtful("The open session was changed since it was compared.");
             if ui.button("Compare again").clicked() {
                 outbox.send(CompareCommand::Again);
             }
@@ -188,10 +179,10 @@ fn is_outdated(model: &Model, compared: &Compared) -> bool {
     runs.any(|run| run.source == SessionSource::Open && run.inputs != inputs)
 }
 
-fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {
+fn residuals(ui: &mut Ui, model: &Model, drawn: &ComparisonView, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        section(ui, "Residuals of the lengths");
-        muted(ui, "A filled, B as rings, each over its own poses");
+        ui.section("Residuals of the lengths");
+        ui.muted("A filled, B as rings, each over its own poses");
     });
     let height = ui.available_height().max(80.0);
     let name = "Plot: residuals of both sessions";

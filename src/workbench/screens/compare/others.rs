@@ -7,7 +7,7 @@ use tautline_core::effect::find;
 use super::pulleys::verdict_cell;
 use crate::model::comparison::Compared;
 use crate::theme;
-use crate::widgets::{Cell, TableColumn, muted, section, table};
+use crate::widgets::{Cell, TableColumn, UiExt, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
@@ -40,7 +40,8 @@ const SIDE_BY_SIDE: [TableColumn<'_>; 5] = [
 fn side_by_side(
     ui: &Ui,
     compared: &Comparison,
-    (name, unit): (String, &str),
+    name: String,
+    unit: &str,
     scalar: &ScalarDifference,
 ) -> Vec<Cell> {
     let value = |value: Option<f64>| match value {
@@ -57,12 +58,9 @@ fn side_by_side(
 }
 
 fn effects(ui: &mut Ui, compared: &Comparison) {
-    section(ui, "Effects");
+    ui.section("Effects");
     if compared.effects.is_empty() {
-        muted(
-            ui,
-            "Neither session has an effect in its model. Those that the model doctor adds are compared here.",
-        );
+        ui.muted("Neither session has an effect in its model. Those that the model doctor adds are compared here.");
         return;
     }
     let rows = compared.effects.iter().map(|effect| {
@@ -72,7 +70,7 @@ fn effects(ui: &mut Ui, compared: &Comparison) {
             _ => format!("{}: {}", sentence(&effect_name(effect)), effect.parameter),
         };
         let unit = unit_of(&effect.parameter, &effect.unit);
-        side_by_side(ui, compared, (name, unit), &effect.size)
+        side_by_side(ui, compared, name, unit, &effect.size)
     });
     let rows: Vec<_> = rows.collect();
     table(ui, &SIDE_BY_SIDE, &rows, None);
@@ -82,8 +80,8 @@ fn plane(ui: &mut Ui, compared: &Comparison) {
     let Some(plane) = &compared.plane else {
         return;
     };
-    section(ui, "Target plane of the laser");
-    let row = side_by_side(ui, compared, ("Offset".to_owned(), "m"), plane);
+    ui.section("Target plane of the laser");
+    let row = side_by_side(ui, compared, "Offset".to_owned(), "m", plane);
     table(ui, &SIDE_BY_SIDE, &[row], None);
 }
 
@@ -96,7 +94,7 @@ fn motion(ui: &mut Ui, compared: &Comparison) {
     let Some(motion) = &compared.motion else {
         return;
     };
-    section(ui, "Motion that all pulleys have in common");
+    ui.section("Common motion of all pulleys");
     let told = match motion.test {
         None => String::new(),
         Some(test) if differs(compared, Some(test)) => format!(
@@ -108,12 +106,9 @@ fn motion(ui: &mut Ui, compared: &Comparison) {
             by_chance(test)
         ),
     };
-    muted(
-        ui,
-        &format!(
+    ui.muted(&format!(
             "{told}Not a change of the robot: each session counts from its own home pose. It is removed above."
-        ),
-    );
+        ));
     let sd = |k: usize| motion.covariance[(k, k)].max(0.0).sqrt();
     let shift = (0..3).map(|k| (k, "Shift along", motion.shift_m[k], "m"));
     let turn = (0..3).map(|k| (k + 3, "Rotation about", motion.rotation_rad[k], "rad"));
@@ -132,7 +127,7 @@ fn home(ui: &mut Ui, compared: &Comparison) {
     let Some(home) = &compared.home else {
         return;
     };
-    section(ui, "Home pose");
+    ui.section("Home pose");
     let told = match home.test {
         Some(test) if differs(compared, Some(test)) => {
             "The platform stood differently at home. This is no change of the robot."
@@ -140,7 +135,7 @@ fn home(ui: &mut Ui, compared: &Comparison) {
         Some(_) => "Unchanged within the noise.",
         None => "Cannot be determined.",
     };
-    muted(ui, told);
+    ui.muted(told);
     let rows = home.coordinates.iter().map(|(coordinate, value, sd)| {
         let unit = if coordinate.index() < 3 { "m" } else { "rad" };
         vec![
@@ -153,7 +148,7 @@ fn home(ui: &mut Ui, compared: &Comparison) {
 }
 
 fn fits(ui: &mut Ui, compared: &Compared) {
-    section(ui, "How well each session is explained");
+    ui.section("Fit of each session");
     let columns = [
         TableColumn::words("Session"),
         TableColumn::number("Poses", ""),

@@ -1,14 +1,13 @@
 //! Differences of the pulleys and their significance.
 
 use egui::Ui;
-use egui_material_icons::icons;
 use tautline_core::comparison::{Comparison, PulleyDifference, Test};
 
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, Selection};
 use crate::screens::bench_panel::decimals_for;
 use crate::theme;
-use crate::widgets::{Cell, TableColumn, muted, section, table};
+use crate::widgets::{Cell, TableColumn, UiExt, Verdict, table};
 use tautline_workflow::comparison::common_motion;
 use tautline_workflow::wording::units::mm;
 
@@ -19,7 +18,7 @@ pub fn show(
     compared: &Comparison,
     outbox: &mut Outbox,
 ) -> Option<usize> {
-    section(ui, "Pulleys, B minus A");
+    ui.section("Pulleys, B minus A");
     let columns = [
         TableColumn::words("Cable"),
         TableColumn::number("x", "mm"),
@@ -43,13 +42,10 @@ pub fn show(
         outbox.send(ViewCommand::Select(selection));
     }
     let motion = common_motion(compared).unwrap_or_default();
-    muted(
-        ui,
-        &format!(
+    ui.muted(&format!(
             "{motion} Relative to the pulleys that did not move, ± one standard deviation. Chance: how often noise alone \
              makes such a difference, corrected for the number of tests.",
-        ),
-    );
+        ));
     touched.clicked
 }
 
@@ -74,15 +70,10 @@ fn chance(test: Test) -> String {
 
 /// Cell of whether something differs, in a word.
 pub(super) fn verdict_cell(ui: &Ui, differs: Option<bool>, word: &str) -> Cell {
-    let palette = theme::of(ui);
     match differs {
-        None => Cell::new("not determined").coloured(palette.muted),
-        Some(true) => Cell::new(word)
-            .with_icon(icons::ICON_WARNING)
-            .coloured(palette.warning),
-        Some(false) => Cell::new("unchanged")
-            .with_icon(icons::ICON_CHECK_CIRCLE)
-            .coloured(palette.good),
+        None => Cell::new("not determined").coloured(theme::of(ui).muted),
+        Some(true) => Cell::verdict(ui, Verdict::Doubtful, word),
+        Some(false) => Cell::verdict(ui, Verdict::Good, "unchanged"),
     }
 }
 

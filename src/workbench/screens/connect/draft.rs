@@ -61,6 +61,8 @@ impl SignIn {
 
 #[derive(Debug)]
 pub struct Draft {
+    /// Problems of the fields, found anew in each frame.
+    pub problems: Problems,
     /// Id of its session.
     pub session_id: u64,
     pub part: DialogTab,
@@ -119,6 +121,7 @@ impl Draft {
         };
         let recording = connection.recording.as_ref();
         Self {
+            problems: Problems::default(),
             session_id,
             part: DialogTab::default(),
             kind: connection.controller,

@@ -52,24 +52,10 @@ impl SymbolRole {
         (Self::Watchdog, "Sample counter", ""),
     ];
 
+    /// Whether the symbol has a scale: numbers do, which have a unit; texts and flags do not.
     pub fn has_scale(self) -> bool {
-        use SymbolRole::{
-            Force, Inclination, Laser, Parameter, Pose, Revolutions, Swivel, Target, Temperature,
-            Time,
-        };
-        matches!(
-            self,
-            Revolutions
-                | Force
-                | Swivel
-                | Laser
-                | Temperature
-                | Time
-                | Inclination
-                | Pose
-                | Target
-                | Parameter(_)
-        )
+        let fixed = Self::FIXED.iter().find(|(role, ..)| *role == self);
+        fixed.is_none_or(|(_, _, unit)| !unit.is_empty())
     }
 
     pub fn is_of_command(self) -> bool {
@@ -155,7 +141,8 @@ pub fn read(mapping: &SymbolMapping, need: SymbolRole) -> (String, Option<f64>) 
 pub fn write(
     mapping: &mut SymbolMapping,
     need: SymbolRole,
-    (symbol, scale): (&str, f64),
+    symbol: &str,
+    scale: f64,
 ) -> Result<(), String> {
     let text = symbol.trim();
     let wanted = !text.is_empty();

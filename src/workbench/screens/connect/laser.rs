@@ -1,6 +1,6 @@
 //! Laser: source of its distance, and live test.
 
-use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
+use egui::{ComboBox, Ui};
 use tautline_link::laser::serial_ports;
 use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 
@@ -9,7 +9,7 @@ use super::field::{labelled, line};
 use super::problems::{FieldId, Problems};
 use super::test_line::{LaserTest, TestLine};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, choice, muted, section, verdict};
+use crate::widgets::{UiExt, choice, combo_box, form};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaserFrom {
@@ -48,45 +48,35 @@ impl LaserDraft {
             (LaserSettings::Line(line), _) | (_, LaserSettings::Line(line)) => line.clone(),
             _ => usual,
         };
-        let (host, port, device, baud, from) = match &base.port {
-            LaserPort::Tcp { host, port } => {
-                let port = port.to_string();
-                (
-                    host.clone(),
-                    port,
-                    String::new(),
-                    "9600".into(),
-                    LaserFrom::Network,
-                )
-            }
-            LaserPort::Serial { device, baud, .. } => {
-                let baud = baud.to_string();
-                (
-                    String::new(),
-                    String::new(),
-                    device.clone(),
-                    baud,
-                    LaserFrom::Serial,
-                )
-            }
-        };
-        Self {
-            from: match settings {
-                LaserSettings::Controller => LaserFrom::Controller,
-                LaserSettings::Manual => LaserFrom::Manual,
-                LaserSettings::Line(_) => from,
-            },
-            host,
-            port,
-            device,
-            baud,
+        let mut draft = Self {
+            from: LaserFrom::Controller,
+            host: String::new(),
+            port: String::new(),
+            device: String::new(),
+            baud: "9600".into(),
             pattern: base.pattern.clone().unwrap_or_default(),
             no_return: base.no_return.join(" | "),
             command: escaped(base.command.as_deref().unwrap_or_default()),
             base,
             ports: None,
             test: None,
-        }
+        };
+        let from = match &draft.base.port {
+            LaserPort::Tcp { host, port } => {
+                (draft.host, draft.port) = (host.clone(), port.to_string());
+                LaserFrom::Network
+            }
+            LaserPort::Serial { device, baud, .. } => {
+                (draft.device, draft.baud) = (device.clone(), baud.to_string());
+                LaserFrom::Serial
+            }
+        };
+        draft.from = match settings {
+            LaserSettings::Controller => LaserFrom::Controller,
+            LaserSettings::Manual => LaserFrom::Manual,
+            LaserSettings::Line(_) => from,
+        };
+        draft
     }
 
     /// Ends the test, so that the laser is free for a connection.
@@ -180,23 +170,20 @@ impl LaserDraft {
             return;
         }
         ui.add_space(GRID);
-        Grid::new("laser")
-            .num_columns(2)
-            .spacing([3.0 * GRID, 1.5 * GRID])
-            .show(ui, |ui| {
-                if self.from == LaserFrom::Network {
-                    line(ui, problems, FieldId::LaserHost, &mut self.host);
-                    line(ui, problems, FieldId::LaserPort, &mut self.port);
-                } else {
-                    self.device(ui);
-                    line(ui, problems, FieldId::Device, &mut self.device);
-                    line(ui, problems, FieldId::Baud, &mut self.baud);
-                }
-                unit(ui, &mut self.base.unit);
-                line(ui, problems, FieldId::Pattern, &mut self.pattern);
-                line(ui, problems, FieldId::NoReturn, &mut self.no_return);
-                line(ui, problems, FieldId::Laser, &mut self.command);
-            });
+        form("laser").show(ui, |ui| {
+            if self.from == LaserFrom::Network {
+                line(ui, problems, FieldId::LaserHost, &mut self.host);
+                line(ui, problems, FieldId::LaserPort, &mut self.port);
+            } else {
+                self.device(ui);
+                line(ui, problems, FieldId::Device, &mut self.device);
+                line(ui, problems, FieldId::Baud, &mut self.baud);
+            }
+            unit(ui, &mut self.base.unit);
+            line(ui, problems, FieldId::Pattern, &mut self.pattern);
+            line(ui, problems, FieldId::NoReturn, &mut self.no_return);
+            line(ui, problems, FieldId::Laser, &mut self.command);
+        });
         self.test(ui, busy);
     }
 
@@ -204,27 +191,22 @@ impl LaserDraft {
     fn device(&mut self, ui: &mut Ui) {
         let ports = self.ports.get_or_insert_with(serial_ports);
         ui.label("Ports of this computer");
-        let chosen = ComboBox::from_id_salt("serial ports")
-            .selected_text(if ports.is_empty() {
-                "None found"
-            } else {
-                "Choose"
-            })
-            .width(200.0)
-            .show_ui(ui, |ui| {
-                for port in ports.iter() {
-                    ui.selectable_value(&mut self.device, port.clone(), port);
-                }
-            });
-        chosen
-            .response
-            .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Ports of this computer"));
+        let list = ComboBox::from_id_salt("serial ports").width(200.0);
+        let selected = match ports.is_empty() {
+            true => "None found",
+            false => "Choose",
+        };
+        combo_box(ui, list, "Ports of this computer", selected, |ui| {
+            for port in ports.iter() {
+                ui.selectable_value(&mut self.device, port.clone(), port);
+            }
+        });
         ui.end_row();
     }
 
     /// Received lines and the distances parsed from them.
     fn test(&mut self, ui: &mut Ui, busy: bool) {
-        section(ui, "What arrives");
+        ui.section("Received lines");
         let settings = self.settings(&mut Problems::default());
         let Some(LaserSettings::Line(settings)) = settings.filter(|_| !busy) else {
             self.test = None;
@@ -233,7 +215,7 @@ impl LaserDraft {
             } else {
                 "Its lines are shown here once the fields above are filled in."
             };
-            muted(ui, text);
+            ui.muted(text);
             return;
         };
         if self
@@ -250,21 +232,17 @@ impl LaserDraft {
         let Some(test) = &self.test else { return };
         let LaserTest { last_line, parsed } = test.result();
         match last_line {
-            Some(line) => {
-                labelled(ui, "Last line", &line);
-            }
+            Some(line) => labelled(ui, "Last line", &line),
             None => {
-                muted(ui, "Nothing has arrived yet.");
+                ui.muted("Nothing has arrived yet.");
             }
         }
         match parsed {
             Some(Ok(distance_m)) => {
-                let text = format!("Distance: {:.2} mm.", distance_m * 1e3);
-                verdict(ui, Verdict::Good, &text);
+                ui.good(&format!("Distance: {:.2} mm.", distance_m * 1e3));
             }
             Some(Err(why)) => {
-                let text = format!("{}.", tautline_workflow::wording::sentence(&why));
-                verdict(ui, Verdict::Doubtful, &text);
+                ui.doubtful(&format!("{}.", tautline_workflow::wording::sentence(&why)));
             }
             None => {}
         }
@@ -273,16 +251,12 @@ impl LaserDraft {
 
 fn unit(ui: &mut Ui, unit: &mut LaserUnit) {
     ui.label("Unit of the laser");
-    let chosen = ComboBox::from_id_salt("unit of the laser")
-        .selected_text(unit.name())
-        .width(72.0)
-        .show_ui(ui, |ui| {
-            for offered in [LaserUnit::Mm, LaserUnit::M, LaserUnit::Um] {
-                ui.selectable_value(unit, offered, offered.name());
-            }
-        });
-    let response = chosen.response;
-    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Unit of the laser"));
+    let list = ComboBox::from_id_salt("unit of the laser").width(72.0);
+    combo_box(ui, list, "Unit of the laser", unit.name(), |ui| {
+        for offered in [LaserUnit::Mm, LaserUnit::M, LaserUnit::Um] {
+            ui.selectable_value(unit, offered, offered.name());
+        }
+    });
     ui.end_row();
 }
 

@@ -9,7 +9,7 @@ mod problems;
 mod symbols;
 mod test_line;
 
-use egui::{Grid, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 use egui_material_icons::icons;
 use tautline_link::opcua::{HAS_KEYRING, Password, PasswordStoreError};
 use tautline_session::{Connection, ControllerKind, LaserSettings, OpcUaPolicy, OpcUaSecurity};
@@ -26,7 +26,7 @@ use crate::model::messages::full_sentence;
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    TabOf, Verdict, checkbox, choice, heading, icon_button, modal, muted, primary, tab_row, verdict,
+    TabOf, UiExt, checkbox, choice, combo_box, form, icon_button, modal, primary, tab_row,
 };
 
 pub use draft::Draft;
@@ -95,19 +95,24 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
     else {
         return;
     };
-    let (is_open, is_left) = modal(ui, ("connect", WIDTH), |ui| {
+    let (is_open, is_left) = modal(ui, "connect", WIDTH, |ui| {
         let room = ui.ctx().content_rect().height();
-        heading(ui, "Connect to a controller");
+        ui.heading("Connect to a controller");
         tabs(ui, &mut draft);
         let settings = draft.settings(&present);
-        let problems = settings.as_ref().err().cloned().unwrap_or_default();
+        draft.problems = settings.as_ref().err().cloned().unwrap_or_default();
         let height = (room - AROUND).clamp(80.0, 480.0);
         ScrollArea::both()
             .id_salt(draft.part.title())
             .auto_shrink([false, false])
             .max_height(height)
-            .show(ui, |ui| {
-                part(ui, model, &mut draft, (&present, &problems), outbox);
+            .show(ui, |ui| match draft.part {
+                DialogTab::Controller => controller(ui, &mut draft, present.is_demo, outbox),
+                DialogTab::Symbols => symbols(ui, model, &mut draft, &present, outbox),
+                DialogTab::Laser => {
+                    let busy = model.link.is_connected() || model.link.connecting;
+                    draft.laser.show(ui, &draft.problems, busy);
+                }
             });
         ui.add_space(GRID);
         footer(ui, model, &mut draft, settings, outbox)
@@ -132,29 +137,7 @@ fn tabs(ui: &mut Ui, draft: &mut Draft) {
     ui.separator();
 }
 
-fn part(
-    ui: &mut Ui,
-    model: &Model,
-    draft: &mut Draft,
-    (present, problems): (&PresentSettings, &Problems),
-    outbox: &mut Outbox,
-) {
-    match draft.part {
-        DialogTab::Controller => controller(ui, draft, (present, problems), outbox),
-        DialogTab::Symbols => symbols(ui, model, draft, (present, problems), outbox),
-        DialogTab::Laser => {
-            let busy = model.link.is_connected() || model.link.connecting;
-            draft.laser.show(ui, problems, busy);
-        }
-    }
-}
-
-fn controller(
-    ui: &mut Ui,
-    draft: &mut Draft,
-    (present, problems): (&PresentSettings, &Problems),
-    outbox: &mut Outbox,
-) {
+fn controller(ui: &mut Ui, draft: &mut Draft, is_demo: bool, outbox: &mut Outbox) {
     for (kind, text) in [
         (ControllerKind::Simulated, "Simulated robot"),
         (ControllerKind::Recording, "Recording"),
@@ -164,14 +147,10 @@ fn controller(
         choice(ui, &mut draft.kind, kind, text);
     }
     ui.add_space(GRID);
-    let grid = |name| {
-        Grid::new(name)
-            .num_columns(2)
-            .spacing([3.0 * GRID, 1.5 * GRID])
-    };
+
     match draft.kind {
         ControllerKind::Simulated => {
-            let text = match present.is_demo {
+            let text = match is_demo {
                 true => "Demo robot. A fault is hidden in its readings.",
                 false => "A robot that moves as its description says. Its readings are simulated.",
             };
@@ -181,21 +160,21 @@ fn controller(
             let text = "A dataset folder with robot.json and poses.csv is played back. It knows the recorded poses alone, \
                         and nothing can be written to it.";
             wrapped(ui, text);
-            grid("recording").show(ui, |ui| {
-                line(ui, problems, FieldId::Folder, &mut draft.folder);
-                line(ui, problems, FieldId::Speed, &mut draft.speed);
+            form("recording").show(ui, |ui| {
+                line(ui, &draft.problems, FieldId::Folder, &mut draft.folder);
+                line(ui, &draft.problems, FieldId::Speed, &mut draft.speed);
             });
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
                 outbox.send(RobotCommand::Setup(Setup::PickRecording));
             }
         }
         ControllerKind::Ads => {
-            grid("ads").show(ui, |ui| {
-                line(ui, problems, FieldId::Host, &mut draft.host);
-                line(ui, problems, FieldId::Port, &mut draft.port);
-                line(ui, problems, FieldId::NetId, &mut draft.net_id);
-                line(ui, problems, FieldId::AmsPort, &mut draft.ams_port);
-                line(ui, problems, FieldId::Timeout, &mut draft.timeout);
+            form("ads").show(ui, |ui| {
+                line(ui, &draft.problems, FieldId::Host, &mut draft.host);
+                line(ui, &draft.problems, FieldId::Port, &mut draft.port);
+                line(ui, &draft.problems, FieldId::NetId, &mut draft.net_id);
+                line(ui, &draft.problems, FieldId::AmsPort, &mut draft.ams_port);
+                line(ui, &draft.problems, FieldId::Timeout, &mut draft.timeout);
             });
             wrapped(
                 ui,
@@ -203,37 +182,28 @@ fn controller(
                  Nothing moves and nothing is written before it is armed.",
             );
         }
-        ControllerKind::OpcUa => {
-            opcua(ui, draft, problems, outbox);
-        }
+        ControllerKind::OpcUa => opcua(ui, draft, outbox),
     }
 }
 
-fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
-    let rows = Grid::new("opcua")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID]);
-    rows.show(ui, |ui| {
-        line(ui, problems, FieldId::Url, &mut draft.url);
-        chosen(
+fn opcua(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
+    form("opcua").show(ui, |ui| {
+        line(ui, &draft.problems, FieldId::Url, &mut draft.url);
+        let all = &OpcUaSecurity::ALL;
+        chosen(ui, "Security", &mut draft.security, all, None);
+        let problem = draft.problems.of(FieldId::Policy);
+        chosen(ui, "Policy", &mut draft.policy, &OpcUaPolicy::ALL, problem);
+        user(ui, draft, outbox);
+        line(
             ui,
-            "Security",
-            (&mut draft.security, &OpcUaSecurity::ALL),
-            None,
+            &draft.problems,
+            FieldId::UrlTimeout,
+            &mut draft.url_timeout,
         );
-        let problem = problems.of(FieldId::Policy);
-        chosen(
-            ui,
-            "Policy",
-            (&mut draft.policy, &OpcUaPolicy::ALL),
-            problem,
-        );
-        user(ui, draft, problems, outbox);
-        line(ui, problems, FieldId::UrlTimeout, &mut draft.url_timeout);
     });
     if draft.security == Some(OpcUaSecurity::None) {
         let text = "Not encrypted: everybody on the network can read and change the messages.";
-        verdict(ui, Verdict::Neutral, text);
+        ui.neutral(text);
     }
     wrapped(
         ui,
@@ -242,7 +212,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
 }
 
 /// Grid rows for the authentication of the user.
-fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
+fn user(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
     ui.label("Sign in");
     ui.horizontal_wrapped(|ui| {
         for (sign_in, text) in [
@@ -257,21 +227,31 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     match draft.sign_in {
         SignIn::Anonymous => {}
         SignIn::Name => {
-            line(ui, problems, FieldId::User, &mut draft.user);
+            line(ui, &draft.problems, FieldId::User, &mut draft.user);
             let hint = format!("{PASSWORD}, or kept");
             secret(ui, ("Password", &hint), draft.password.text_mut());
             keeping(ui, draft, outbox);
         }
         SignIn::Certificate => {
-            let certificate = (FieldId::UserCertificate, "Choose certificate…");
-            let key = (FieldId::UserKey, "Choose key…");
-            for (names, text, which) in [
-                (certificate, &mut draft.certificate, UserFile::Certificate),
-                (key, &mut draft.key, UserFile::Key),
-            ] {
-                if file(ui, problems, names, text) {
-                    outbox.send(RobotCommand::Setup(Setup::PickUserFile(which)));
-                }
+            let (problems, field) = (&draft.problems, FieldId::UserCertificate);
+            if file(
+                ui,
+                problems,
+                field,
+                "Choose certificate…",
+                &mut draft.certificate,
+            ) {
+                let pick = Setup::PickUserFile(UserFile::Certificate);
+                outbox.send(RobotCommand::Setup(pick));
+            }
+            if file(
+                ui,
+                problems,
+                FieldId::UserKey,
+                "Choose key…",
+                &mut draft.key,
+            ) {
+                outbox.send(RobotCommand::Setup(Setup::PickUserFile(UserFile::Key)));
             }
         }
     }
@@ -310,26 +290,23 @@ fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
 fn chosen<T: Copy + PartialEq + std::fmt::Display>(
     ui: &mut Ui,
     name: &str,
-    (value, all): (&mut Option<T>, &[T]),
+    value: &mut Option<T>,
+    all: &[T],
     problem: Option<&str>,
 ) {
     const BEST: &str = "The best that the server offers";
     ui.label(name);
     ui.vertical(|ui| {
         let text = value.map_or_else(|| BEST.to_owned(), |value| value.to_string());
-        let list = egui::ComboBox::from_id_salt(name).selected_text(&text);
-        let shown = list.width(240.0).show_ui(ui, |ui| {
+        let list = egui::ComboBox::from_id_salt(name).width(240.0);
+        combo_box(ui, list, &format!("{name}: {text}"), &text, |ui| {
             ui.selectable_value(value, None, BEST);
             for known in all.iter().rev() {
                 ui.selectable_value(value, Some(*known), known.to_string());
             }
         });
-        let label = format!("{name}: {text}");
-        shown
-            .response
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, label.as_str()));
         if let Some(problem) = problem {
-            verdict(ui, Verdict::Bad, &sentence(&format!("{problem}.")));
+            ui.bad(&sentence(&format!("{problem}.")));
         }
     });
     ui.end_row();
@@ -338,14 +315,14 @@ fn chosen<T: Copy + PartialEq + std::fmt::Display>(
 fn wrapped(ui: &mut Ui, text: &str) {
     let colour = theme::of(ui).muted;
     let text = egui::RichText::new(text).color(colour);
-    ui.add(egui::Label::new(text).wrap());
+    ui.wrapped(text);
 }
 
 fn symbols(
     ui: &mut Ui,
     model: &Model,
     draft: &mut Draft,
-    (present, problems): (&PresentSettings, &Problems),
+    present: &PresentSettings,
     outbox: &mut Outbox,
 ) {
     let robot = &present.robot;
@@ -393,13 +370,14 @@ fn symbols(
         }
     });
     if let Some((kind, text)) = draft.names().rows.summary() {
-        verdict(ui, kind, &text);
+        ui.verdict(kind, &text);
     }
-    if let Some(text) = problems.of(FieldId::Symbols) {
-        verdict(ui, Verdict::Bad, &sentence(&format!("{text}.")));
+    if let Some(text) = draft.problems.of(FieldId::Symbols) {
+        ui.bad(&sentence(&format!("{text}.")));
     }
+    let problems = std::mem::take(&mut draft.problems);
     let names = draft.names_mut();
-    names.rows.show(ui, names.is_custom, problems);
+    names.rows.show(ui, names.is_custom, &problems);
 }
 
 /// Question whether the certificate of the server is trusted.
@@ -408,7 +386,7 @@ fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
         return;
     };
     let connects = *connects;
-    verdict(ui, Verdict::Bad, &full_sentence(&server.to_string()));
+    ui.bad(&full_sentence(&server.to_string()));
     let button = egui::Button::new("Trust this certificate");
     let button = ui.add_enabled(can, button);
     if button
@@ -446,10 +424,10 @@ fn footer(
     };
     trust(ui, draft, why.is_none(), outbox);
     match (&why, &draft.refused) {
-        (Some(text), _) => verdict(ui, Verdict::Neutral, text),
-        (None, Some(text)) => verdict(ui, Verdict::Bad, text),
+        (Some(text), _) => ui.neutral(text),
+        (None, Some(text)) => ui.bad(text),
         (None, None) => {
-            muted(ui, "The settings are saved in the session.");
+            ui.muted("The settings are saved in the session.");
         }
     }
     let mut open = true;

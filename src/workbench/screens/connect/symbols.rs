@@ -1,6 +1,6 @@
 //! Table of symbols: purpose, name at the controller, scale and unit.
 
-use egui::{Grid, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Grid, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_link::symbols::{SymbolCheck, SymbolFound};
@@ -9,7 +9,7 @@ use tautline_session::{SymbolMapping, is_per_cable, name_of_cable};
 use super::entry::{SymbolRole, no_command, read, title_of, unit_of, write};
 use super::problems::{FieldId, Problems};
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, parse_number};
+use crate::widgets::{UiExt, Verdict, name_text_field, parse_number};
 use tautline_workflow::wording::{count, sentence};
 
 /// Width (points) at which the columns fit side by side.
@@ -87,7 +87,7 @@ impl SymbolRows {
                 true => problems.take(FieldId::Symbol(k), parse_number(&row.scale)),
                 false => Some(1.0),
             };
-            let written = scale.map(|scale| write(&mut mapping, row.need, (&row.symbol, scale)));
+            let written = scale.map(|scale| write(&mut mapping, row.need, &row.symbol, scale));
             if let Some(Err(text)) = written {
                 problems.add(FieldId::Symbol(k), text);
                 good = false;
@@ -185,14 +185,8 @@ impl SymbolRows {
             .num_columns(5)
             .spacing([2.0 * GRID, GRID])
             .show(ui, |ui| {
-                for title in [
-                    "What is needed",
-                    "Symbol",
-                    "Scale",
-                    "Unit",
-                    "At the controller",
-                ] {
-                    muted(ui, title);
+                for title in ["Signal", "Symbol", "Scale", "Unit", "At the controller"] {
+                    ui.muted(title);
                 }
                 ui.end_row();
                 for (k, (row, found)) in rows {
@@ -212,14 +206,14 @@ impl SymbolRow {
         edit(ui, own, &name, &mut self.symbol, 208.0);
         if self.need.has_scale() {
             if is_titled {
-                muted(ui, "Scale");
+                ui.muted("Scale");
             }
             let name = format!("Scale: {}", self.title);
             edit(ui, own, &name, &mut self.scale, 56.0);
         } else if !is_titled {
             ui.label("");
         }
-        muted(ui, &self.unit);
+        ui.muted(&self.unit);
     }
 
     /// Answer of the controller, or the error of the row.
@@ -236,12 +230,7 @@ fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
         .min_size(egui::vec2(width, 0.0))
         .clip_text(true);
     let response = ui.add_enabled(enabled, field);
-    let value = text.clone();
-    response.widget_info(|| {
-        let mut info = WidgetInfo::text_edit(enabled, value.clone(), value.clone(), "");
-        info.label = Some(name.to_owned());
-        info
-    });
+    name_text_field(&response, name, text);
 }
 
 /// Error of a row or answer of the controller, by name if the row stands for several symbols.

@@ -9,14 +9,14 @@ use tautline_core::effect::{HypothesisError, MAX_HYPOTHESIS_BYTES};
 use crate::model::command::{HypothesisCommand, Outbox};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, section, verdict};
+use crate::widgets::UiExt;
 
 /// Height of the error below the text (points).
 const MISTAKE: f32 = 48.0;
 
 pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &mut Outbox) {
     let top = ui.cursor().min.y;
-    let label = section(ui, "Text");
+    let label = ui.section("Text");
     let error = draft.checked().err();
     let room = height - (ui.cursor().min.y - top) - MISTAKE;
     let frame = egui::Frame::new()
@@ -27,19 +27,15 @@ pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &m
             .id_salt(("text", draft.number))
             .max_height(room.max(120.0))
             .auto_shrink(false)
-            .show(ui, |ui| text(ui, draft, (label.id, error), outbox));
+            .show(ui, |ui| text(ui, draft, label.id, error, outbox));
     });
     ui.add_space(GRID);
     match error {
-        None => verdict(
-            ui,
-            Verdict::Good,
-            "The text is a hypothesis; its units fit.",
-        ),
+        None => ui.good("The text is a hypothesis; its units fit."),
         Some(error) => {
             let mut sentence = error.to_string();
             sentence[..1].make_ascii_uppercase();
-            verdict(ui, Verdict::Bad, &format!("{sentence}."));
+            ui.bad(&format!("{sentence}."));
         }
     }
 }
@@ -47,7 +43,8 @@ pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &m
 fn text(
     ui: &mut Ui,
     draft: &HypothesisDraft,
-    (label, error): (egui::Id, Option<&HypothesisError>),
+    label: egui::Id,
+    error: Option<&HypothesisError>,
     outbox: &mut Outbox,
 ) {
     let font = TextStyle::Monospace.resolve(ui.style());

@@ -7,7 +7,7 @@ use tautline_core::effect::{Hypothesis, every_effect};
 use crate::model::Model;
 use crate::model::command::{HypothesisCommand, Outbox};
 use crate::theme::GRID;
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{UiExt, icon_only};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let session = model.open.as_ref().map(|open| open.session());
@@ -42,7 +42,7 @@ fn of_catalogue(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some((robot, _)) = model.robot_of_effects() else {
         return;
     };
-    muted(ui, "Its formulas, to be changed:");
+    ui.muted("Begin with the formulas of an effect:");
     ui.add_space(GRID);
     for effect in every_effect() {
         // Not every effect can be written as text.

@@ -12,7 +12,7 @@ use crate::model::command::{HypothesisCommand, Outbox, ViewCommand};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, primary};
+use crate::widgets::{icon_button, primary};
 
 /// Width of the screen (points) below which the residuals are below the text.
 const NARROW: f32 = 860.0;
@@ -83,7 +83,7 @@ fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox
                 outbox.send(ViewCommand::Go(Screen::Gallery));
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                heading(ui, "Hypothesis");
+                ui.heading("Hypothesis");
                 let name = RichText::new(name).color(theme::of(ui).muted);
                 ui.add(Label::new(name).truncate());
             });
@@ -94,7 +94,7 @@ fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox
 fn actions(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox) {
     let is_right = draft.checked().is_ok();
     let session = model.open.as_ref().map(|open| open.session());
-    let is_measured = session.is_some_and(|session| !session.measurements.is_empty());
+    let is_measured = model.measured().is_some();
     let is_in_session = session.is_some_and(|session| {
         let mut texts = session.robot.hypotheses.iter();
         texts.any(|text| text == draft.text())

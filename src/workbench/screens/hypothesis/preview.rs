@@ -1,6 +1,6 @@
 //! Effect of the hypothesis on the residuals.
 
-use egui::{CollapsingHeader, ComboBox, Label, RichText, Spinner, Ui};
+use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 use tautline_core::effect::{FORMULA_QUANTITIES, formula_functions};
 use tautline_workflow::plot::Selection;
 use tautline_workflow::signature::{Image, Placement, Signature, Trial};
@@ -11,25 +11,22 @@ use crate::model::command::{HypothesisCommand, Outbox, TRYING, ViewCommand};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Verdict, muted, section, verdict};
+use crate::widgets::UiExt;
 
 /// Height of a plot (points).
 const PLOT: f32 = 190.0;
 
 pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox) {
     vocabulary(ui, draft.checked().is_err());
-    section(ui, "What it does to the residuals");
+    ui.section("What it does to the residuals");
     let inputs = model.open.as_ref().map(|open| open.inputs());
     if draft.checked().is_err() {
-        muted(ui, "Appears here once the text has no mistake.");
+        ui.muted("Appears here once the text has no error.");
         return;
     }
     let is_fitting = model.tasks.runs(TRYING) || draft.lacks_preview(inputs);
     if is_fitting {
-        ui.horizontal(|ui| {
-            ui.add(Spinner::new());
-            muted(ui, "Fitting it to the readings…");
-        });
+        ui.busy("Fitting it to the readings…");
     }
     // The last preview stays, dimmed, until the next one is ready, so that the layout is stable while typing.
     ui.scope(|ui| {
@@ -38,8 +35,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: 
         }
         match draft.preview.as_ref().map(|preview| &preview.result) {
             None => {}
-            Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
-            Some(Ok(PreviewResult::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
+            Some(Err(why)) => ui.doubtful(why),
+            Some(Ok(PreviewResult::Measured(trial))) => measured(ui, model, draft, trial, outbox),
             Some(Ok(PreviewResult::Simulated(signature))) => {
                 simulated(ui, model, signature, outbox);
             }
@@ -58,21 +55,19 @@ fn vocabulary(ui: &mut Ui, is_open: bool) {
                     "1" => String::new(),
                     unit => format!(" ({unit})"),
                 };
-                muted(ui, &format!("{}{unit}", quantity.meaning));
+                ui.muted(&format!("{}{unit}", quantity.meaning));
             });
         }
-        muted(
-            ui,
-            "Those of a cable also of another one, as paid_of(next).",
-        );
+        ui.muted("Quantities of a cable exist for other cables too, as in paid_of(next).");
         let functions: Vec<&str> = formula_functions().collect();
-        ui.add(Label::new(RichText::new(functions.join(", ")).monospace()).wrap());
+        ui.wrapped(RichText::new(functions.join(", ")).monospace());
     });
 }
 
 fn measured(
     ui: &mut Ui,
-    (model, draft): (&Model, &HypothesisDraft),
+    model: &Model,
+    draft: &HypothesisDraft,
     trial: &Trial,
     outbox: &mut Outbox,
 ) {
@@ -106,31 +101,25 @@ fn measured(
                 .labelled_by(label.id);
         });
     }
-    ui.add(Label::new(format!("Size on {}: {}", placement.target, placement.size)).wrap());
-    ui.add(Label::new(placement.sentence()).wrap());
-    muted(
-        ui,
-        "Filled marks are the residuals without it, circles the part that it explains. Another cause may explain them better: ask the doctor.",
-    );
+    ui.wrapped(format!("Size on {}: {}", placement.target, placement.size));
+    ui.wrapped(placement.sentence());
+    ui.muted("Filled marks are the residuals without it, circles the part that it explains. Another cause may explain them better: ask the doctor.");
     images(ui, &placement.images, model.selection, outbox);
 }
 
 fn simulated(ui: &mut Ui, model: &Model, signature: &Signature, outbox: &mut Outbox) {
-    ui.add(Label::new(&signature.cause).wrap());
-    muted(
-        ui,
-        "Nothing is measured yet: this is what it would leave in the residuals at a typical size, without noise.",
-    );
+    ui.wrapped(&signature.cause);
+    ui.muted("Nothing is measured yet: this is what it would leave in the residuals at a typical size, without noise.");
     match &signature.images {
         Ok(all) => images(ui, all, model.selection, outbox),
-        Err(why) => verdict(ui, Verdict::Neutral, why),
+        Err(why) => ui.neutral(why),
     }
 }
 
 fn images(ui: &mut Ui, images: &[Image], selection: Selection, outbox: &mut Outbox) {
     for image in images {
         ui.add_space(2.0 * GRID);
-        muted(ui, &image.name);
+        ui.muted(&image.name);
         let name = format!("Residuals: {}", image.name);
         if let Some(chosen) = small::show(ui, &name, &image.figure, PLOT, selection) {
             outbox.send(ViewCommand::Select(chosen));

@@ -1,13 +1,14 @@
 //! Card of causes that the data cannot distinguish.
 
 use egui::{Align, Layout, Ui};
-use tautline_core::diagnosis::{Finding, Separation, Subject};
+use tautline_core::diagnosis::{Separation, Subject};
 
-use super::rows::{Cell, heads, row};
+use super::card::Card;
+use super::rows::{heads, row};
 use super::{Panel, card, gain};
 use crate::model::findings;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, probability, verdict};
+use crate::widgets::{Cell, UiExt, probability};
 use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::units::{fixed, mm};
@@ -16,71 +17,56 @@ use tautline_workflow::wording::units::{fixed, mm};
 const NARROWEST: f32 = 150.0;
 
 /// Draws the body of the card.
-pub fn body(
-    ui: &mut Ui,
-    panel: &mut Panel<'_>,
-    diagnosed: &Diagnosed,
-    finding: &Finding,
-    number: usize,
-) {
+pub fn body(ui: &mut Ui, panel: &mut Panel<'_>, card: &Card<'_>) {
+    let (diagnosed, finding, number) = (card.diagnosed, card.finding, card.number);
     let others = finding.alternatives.iter();
     let causes: Vec<(&Subject, f64)> = std::iter::once((&finding.subject, finding.probability))
         .chain(others.map(|other| (&other.subject, other.probability)))
         .collect();
-    card::title(
-        ui,
-        &format!("{}. One of {} causes", number + 1, causes.len()),
-    );
-    verdict(
-        ui,
-        Verdict::Doubtful,
-        "These data cannot distinguish the causes below, which exclude each other: each changes the readings at these poses in nearly the same way.",
-    );
+    let title = format!("{}. One of {} causes", number + 1, causes.len());
+    card::title(ui, &title);
+    ui.doubtful("These data cannot distinguish the causes below, which exclude each other: each changes the readings at these poses in nearly the same way.");
     if ui.available_width() < NARROWEST * causes.len() as f32 {
-        for cause in causes {
+        for (subject, probable) in causes {
             ui.separator();
-            alternative(ui, panel, diagnosed, cause);
+            alternative(ui, panel, diagnosed, subject, probable);
         }
         ui.separator();
     } else {
         ui.columns(causes.len(), |columns| {
-            for (ui, cause) in columns.iter_mut().zip(causes) {
-                let layout = Layout::top_down(Align::Min);
-                ui.with_layout(layout, |ui| alternative(ui, panel, diagnosed, cause));
+            for (ui, (subject, probable)) in columns.iter_mut().zip(causes) {
+                ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                    alternative(ui, panel, diagnosed, subject, probable);
+                });
             }
         });
     }
-    muted(ui, &card::evidence(finding));
+    ui.muted(&card::evidence(finding));
     gain::show(ui, &finding.gain);
     if let Some((heading, text)) = diagnosed.decides(finding) {
         ui.add_space(GRID);
-        muted(ui, heading);
-        card::paragraph(ui, &text);
+        ui.muted(heading);
+        ui.wrapped(&text);
     }
     if let Some(separation) = &finding.separation {
         separating(ui, panel, separation);
     }
-    muted(
-        ui,
-        "Sizes and geometry are valid only if the chosen cause is the right one.",
-    );
+    ui.muted("Sizes and geometry are valid only if the chosen cause is the right one.");
 }
 
 fn alternative(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
     diagnosed: &Diagnosed,
-    (subject, probable): (&Subject, f64),
+    subject: &Subject,
+    probable: f64,
 ) {
     let robot = diagnosed.robot();
     let name = diagnosed.subject(subject);
-    ui.add(egui::Label::new(egui::RichText::new(&name).font(theme::strong(13.0))).wrap());
+    ui.wrapped(egui::RichText::new(&name).font(theme::strong(13.0)));
     probability(ui, &name, probable);
     let Some(cause) = subject.cause() else {
-        card::paragraph(
-            ui,
-            "No known cause explains this error. There is nothing to add to the model.",
-        );
+        ui.wrapped("No known cause explains this error. There is nothing to add to the model.");
         return;
     };
     let mut said: Vec<String> = Vec::new();
@@ -95,7 +81,7 @@ fn alternative(
             }
         }
     }
-    card::paragraph(ui, &said.join(" "));
+    ui.wrapped(&said.join(" "));
     card::advice(ui, &checks.join(" "));
     card::actions(ui, panel, diagnosed, cause, &name);
 }
@@ -105,7 +91,7 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         return;
     }
     ui.add_space(GRID);
-    muted(ui, "Poses that would tell them apart");
+    ui.muted("Poses that would tell them apart");
     let shares = [2.0, 3.0, 3.0, 3.0, 2.5, 2.5, 2.5];
     heads(
         ui,
@@ -122,13 +108,9 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         cells.extend(texts.into_iter().map(Cell::new));
         row(ui, &shares, &cells, None, &name);
     }
-    muted(ui, "rx, ry, rz: rotation vector about the axes of the base");
+    ui.muted("rx, ry, rz: rotation vector about the axes of the base");
     if findings::are_planned(panel.open, &separation.poses) {
-        verdict(
-            ui,
-            Verdict::Good,
-            "These poses are in the plan: measure them in phase 3, then identify again.",
-        );
+        ui.good("These poses are in the plan: measure them in phase 3, then identify again.");
         return;
     }
     let add = ui.button("Add these poses to the plan");

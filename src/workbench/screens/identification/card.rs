@@ -15,7 +15,7 @@ use crate::model::findings;
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
 use crate::views::pulley_inspector;
-use crate::widgets::{Verdict, icon_button, muted, named, probability, verdict};
+use crate::widgets::{UiExt, icon_button, named, probability};
 use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences::of_finding;
 use tautline_workflow::wording::probability::{odds_between, percent};
@@ -26,6 +26,13 @@ use tautline_workflow::wording::{count, odds, readings, sentence};
 const HEIGHT: f32 = 190.0;
 /// Largest number of cables of a finding with buttons for their pulleys.
 const INSPECTED: usize = 2;
+
+/// Finding of a diagnosis, with its place among the findings.
+pub struct Card<'a> {
+    pub diagnosed: &'a Diagnosed,
+    pub finding: &'a Finding,
+    pub number: usize,
+}
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
     let Some(finding) = diagnosed.diagnosis.findings.get(number) else {
@@ -40,35 +47,33 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
         .fill(ui.visuals().faint_bg_color)
         .corner_radius(CornerRadius::same(6))
         .inner_margin(Margin::same(3 * GRID as i8));
+    let card = &Card {
+        diagnosed,
+        finding,
+        number,
+    };
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.push_id(("finding", number), |ui| match finding.verdict() {
-            Sure::Ambiguous if finding.is_list() => {
-                ambiguous::body(ui, panel, diagnosed, finding, number);
-            }
-            Sure::Ambiguous | Sure::Named => single(ui, panel, diagnosed, finding, number),
-            Sure::Unknown => unknown(ui, panel, diagnosed, finding, number),
+            Sure::Ambiguous if finding.is_list() => ambiguous::body(ui, panel, card),
+            Sure::Ambiguous | Sure::Named => single(ui, panel, card),
+            Sure::Unknown => unknown(ui, panel, card),
         });
         ui.horizontal_wrapped(|ui| {
-            dependence(ui, panel, diagnosed, (finding, number));
+            dependence(ui, panel, card);
             inspect(ui, panel, diagnosed, finding);
         });
     });
 }
 
 /// Button that shows the residuals of a finding: those of its cables, strongest dependence first.
-fn dependence(
-    ui: &mut Ui,
-    panel: &mut Panel<'_>,
-    diagnosed: &Diagnosed,
-    (finding, number): (&Finding, usize),
-) {
-    let found = &diagnosed.diagnosis.discrepancies;
-    let Some(shown) = of_finding(found, finding).and_then(|index| found.get(index)) else {
+fn dependence(ui: &mut Ui, panel: &mut Panel<'_>, card: &Card<'_>) {
+    let found = &card.diagnosed.diagnosis.discrepancies;
+    let Some(shown) = of_finding(found, card.finding).and_then(|index| found.get(index)) else {
         return;
     };
     let button = icon_button(ui, icons::ICON_SHOW_CHART, "Show its residuals", true);
-    let name = format!("Show the residuals of finding {}", number + 1);
+    let name = format!("Show the residuals of finding {}", card.number + 1);
     if named(button, &name)
         .on_hover_text(
             "Plots them against what they depend on, and colours the cables by their residuals",
@@ -88,27 +93,18 @@ fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &
     }
     for cable in cables {
         if let Some(name) = diagnosed.cable(Some(cable)) {
-            pulley_inspector::button(ui, (cable, &name), panel.outbox);
+            pulley_inspector::button(ui, cable, &name, panel.outbox);
         }
     }
 }
 
 pub fn title(ui: &mut Ui, text: &str) {
-    ui.add(egui::Label::new(RichText::new(text).font(theme::strong(14.0))).wrap());
-}
-
-pub fn paragraph(ui: &mut Ui, text: &str) {
-    ui.add(egui::Label::new(text).wrap());
+    ui.wrapped(RichText::new(text).font(theme::strong(14.0)));
 }
 
 /// Card of a single cause: name, probability and size, then actions, then evidence.
-fn single(
-    ui: &mut Ui,
-    panel: &mut Panel<'_>,
-    diagnosed: &Diagnosed,
-    finding: &Finding,
-    number: usize,
-) {
+fn single(ui: &mut Ui, panel: &mut Panel<'_>, card: &Card<'_>) {
+    let (diagnosed, finding, number) = (card.diagnosed, card.finding, card.number);
     let name = diagnosed.subject(&finding.subject);
     let heading = match finding.verdict() {
         Sure::Ambiguous => diagnosed.heading(finding),
@@ -116,10 +112,10 @@ fn single(
     };
     title(ui, &format!("{}. {heading}", number + 1));
     probability(ui, &name, finding.probability).on_hover_text(evidence(finding));
-    paragraph(ui, &finding.sentence);
+    ui.wrapped(&finding.sentence);
     size(ui, diagnosed, finding);
     if let Some(otherwise) = diagnosed.otherwise(finding) {
-        paragraph(ui, &otherwise);
+        ui.wrapped(&otherwise);
     }
     if let Some(cause) = finding.cause() {
         actions(ui, panel, diagnosed, cause, &name);
@@ -129,30 +125,21 @@ fn single(
     otherwise(ui, diagnosed, finding);
     advice(ui, &finding.advice);
     if let Some((heading, text)) = diagnosed.decides(finding) {
-        muted(ui, heading);
-        paragraph(ui, &text);
+        ui.muted(heading);
+        ui.wrapped(&text);
     }
 }
 
 /// Card of an error without a known cause: its residuals and advice.
-fn unknown(
-    ui: &mut Ui,
-    panel: &mut Panel<'_>,
-    diagnosed: &Diagnosed,
-    finding: &Finding,
-    number: usize,
-) {
+fn unknown(ui: &mut Ui, panel: &mut Panel<'_>, card: &Card<'_>) {
+    let (diagnosed, finding, number) = (card.diagnosed, card.finding, card.number);
     title(ui, &diagnosed.heading(finding));
-    paragraph(ui, &finding.sentence);
-    verdict(
-        ui,
-        Verdict::Doubtful,
-        "No cause is named: only which readings depend on which variable.",
-    );
+    ui.wrapped(&finding.sentence);
+    ui.doubtful("No cause is named: only which readings depend on which variable.");
     shown_by(ui, panel, diagnosed, number);
     if !finding.advice.is_empty() {
-        muted(ui, "What helps");
-        paragraph(ui, &finding.advice);
+        ui.muted("What helps");
+        ui.wrapped(&finding.advice);
     }
     patterns::show(ui, panel);
     // One fault can affect several kinds of readings.
@@ -163,10 +150,10 @@ fn unknown(
     if others.is_empty() {
         return;
     }
-    let title = format!("Where else it shows ({})", others.len());
+    let title = format!("Other readings that show it ({})", others.len());
     CollapsingHeader::new(title).show(ui, |ui| {
         for (index, other) in others {
-            paragraph(ui, &other.sentence);
+            ui.wrapped(&other.sentence);
             shown_by(ui, panel, diagnosed, index);
         }
     });
@@ -192,10 +179,9 @@ fn shown_by(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
     let readings = sentence(&readings(evidence.quantity, cable.as_deref()));
     let against = evidence.figure.x.title().to_lowercase();
     ui.add_space(GRID);
-    muted(
-        ui,
-        &format!("{readings} against {against}, with all other causes in the model:"),
-    );
+    ui.muted(&format!(
+        "{readings} against {against}, with all other causes in the model:"
+    ));
     let name = format!(
         "Evidence of finding {}: {readings} against {against}",
         number + 1
@@ -211,7 +197,7 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     let Some(size) = diagnosed.size(&finding.parameters) else {
         return;
     };
-    let label = ui.add(egui::Label::new(format!("Size: {size}")).wrap());
+    let label = ui.wrapped(format!("Size: {size}"));
     let is_only = finding.parameters.len() == 1;
     let intervals: Vec<_> = finding
         .parameters
@@ -220,7 +206,7 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
         .collect();
     label.on_hover_text(intervals.join("\n"));
     if let ([one], true) = (&intervals[..], is_only) {
-        muted(ui, one);
+        ui.muted(one);
     }
 }
 
@@ -275,7 +261,7 @@ fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
         percent(next.probability),
         odds_between(finding.probability, next.probability)
     );
-    let label = muted(ui, &text);
+    let label = ui.muted(&text);
     if let [own, next, ..] = &finding.evidence.ranking[..] {
         label.on_hover_text(format!(
             "Chi-square falls by {:.1} with this cause and by {:.1} with the other.",
@@ -287,8 +273,8 @@ fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
 /// Advice for the workshop.
 pub fn advice(ui: &mut Ui, advice: &str) {
     if !advice.is_empty() {
-        muted(ui, "Check in the workshop");
-        paragraph(ui, advice);
+        ui.muted("Check in the workshop");
+        ui.wrapped(advice);
     }
 }
 
@@ -311,26 +297,26 @@ pub fn actions(
             .iter()
             .any(|one| effects.iter().any(|other| same_effect(one, other)))
     {
-        verdict(ui, Verdict::Bad, &format!("Not added, because {reason}."));
+        ui.bad(&format!("Not added, because {reason}."));
     }
     if cause.effect().search() == Search::Exchange {
         back_to_import(ui, panel);
     }
     if cause.effect().is_damage() {
         let when = "Damage: repair it, then measure the same poses again. The present readings stay in their file.";
-        repaired(ui, panel, &settings, (name, when));
+        repaired(ui, panel, &settings, name, when);
         let when = "Happened once: explains these readings only.";
-        add(ui, panel, settings, (name, when));
+        add(ui, panel, settings, name, when);
     } else {
         let when = "Permanent: correct it in the controller.";
-        add(ui, panel, settings.clone(), (name, when));
+        add(ui, panel, settings.clone(), name, when);
         let when = "Repair it, then measure the same poses again. The present readings stay in their file.";
-        repaired(ui, panel, &settings, (name, when));
+        repaired(ui, panel, &settings, name, when);
     }
 }
 
 fn in_model(ui: &mut Ui, panel: &mut Panel<'_>, settings: &[EffectSetting], name: &str) {
-    verdict(ui, Verdict::Good, "In the model");
+    ui.good("In the model");
     let remove = ui.button("Remove from model");
     if named(remove, &format!("Remove {name} from model")).clicked() {
         let what = effects::removing(name);
@@ -340,29 +326,25 @@ fn in_model(ui: &mut Ui, panel: &mut Panel<'_>, settings: &[EffectSetting], name
     }
 }
 
-fn add(
-    ui: &mut Ui,
-    panel: &mut Panel<'_>,
-    settings: Vec<EffectSetting>,
-    (name, when): (&str, &str),
-) {
+fn add(ui: &mut Ui, panel: &mut Panel<'_>, settings: Vec<EffectSetting>, name: &str, when: &str) {
     let add = ui.button("Add to model");
     if named(add, &format!("Add to model: {name}")).clicked() {
         let what = findings::adding_named(name);
         panel.outbox.send(Edit::AddEffects(settings, what));
     }
-    muted(ui, when);
+    ui.muted(when);
 }
 
 fn repaired(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
     settings: &[EffectSetting],
-    (name, when): (&str, &str),
+    name: &str,
+    when: &str,
 ) {
     let repaired = ui.button("Repaired: measure again");
     if named(repaired, &format!("Repaired: measure again: {name}")).clicked() {
         panel.outbox.send(FileCommand::NewSeries(settings.to_vec()));
     }
-    muted(ui, when);
+    ui.muted(when);
 }

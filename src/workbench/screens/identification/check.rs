@@ -9,24 +9,20 @@ use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE};
 use super::Panel;
 use crate::model::command::{IdentificationCommand, READINESS, Readiness, RecordingCommand};
 use crate::model::next_step::{Problem, checked};
-use crate::widgets::{Verdict, fault_window, muted, section, verdict};
+use crate::widgets::{UiExt, Verdict, fault_button, fault_window};
 
 /// Number of warnings of the measuring run that are listed without expanding.
 const WARNINGS_SHOWN: usize = 3;
 
 /// Draws the quick checks at once, the others on request.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    section(ui, "Check");
+    ui.section("Check");
     let open = panel.open;
     let items = checked(panel.model, open);
     // Passed checks are collapsed once there is a result.
     let is_well = items.iter().all(|(_, problem)| problem.is_none());
     if is_well && open.fit_is_current() {
-        verdict(
-            ui,
-            Verdict::Good,
-            "Nothing in the readings stands in the way of identification.",
-        );
+        ui.good("Nothing in the readings stands in the way of identification.");
         CollapsingHeader::new("All parts of the check")
             .show(ui, |ui| items.iter().for_each(|i| show_item(ui, panel, i)));
     } else {
@@ -34,22 +30,11 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
     warnings(ui, open.session());
     let inputs = open.inputs();
-    match panel
-        .model
-        .identification
-        .readiness
-        .as_ref()
-        .filter(|(of, _)| *of == inputs)
-    {
+    let readiness = panel.model.identification.readiness.as_ref();
+    match readiness.filter(|(of, _)| *of == inputs) {
         Some((_, found)) => faults(ui, found, &mut panel.memory.shows_faults),
         None if panel.model.tasks.runs(READINESS) => {
-            ui.horizontal(|ui| {
-                ui.spinner();
-                muted(
-                    ui,
-                    "Checking what the readings determine and which faults they would show.",
-                );
-            });
+            ui.busy("Checking what the readings determine and which faults they would show.");
         }
         None => {
             let button = ui.button("Check geometry and faults");
@@ -64,7 +49,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 /// Implausible readings noticed during measuring; a warning disappears when its pose is excluded.
 fn warnings(ui: &mut Ui, session: &Session) {
     for text in sentences(session) {
-        verdict(ui, Verdict::Bad, &text);
+        ui.bad(&text);
     }
     let texts: Vec<&str> = session
         .measuring_warnings()
@@ -75,12 +60,12 @@ fn warnings(ui: &mut Ui, session: &Session) {
         1 => "1 warning while measuring".to_owned(),
         many => format!("{many} warnings while measuring"),
     };
-    verdict(ui, Verdict::Doubtful, &title);
+    ui.doubtful(&title);
     CollapsingHeader::new("Warnings while measuring")
         .default_open(texts.len() <= WARNINGS_SHOWN)
         .show(ui, |ui| {
             for text in texts {
-                muted(ui, text);
+                ui.muted(text);
             }
         });
 }
@@ -96,13 +81,9 @@ fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, problem): &(&CheckItem, 
         CheckOutcome::NotEvaluated => " (not evaluated)",
         CheckOutcome::Pass | CheckOutcome::Notice | CheckOutcome::Fail => "",
     };
-    verdict(
-        ui,
-        kind,
-        &format!("{}{not}: {}", item.title(), item.sentence),
-    );
+    ui.verdict(kind, &format!("{}{not}: {}", item.title(), item.sentence));
     if let Some(action) = &item.action {
-        muted(ui, action);
+        ui.muted(action);
     }
     if item.name == PLAUSIBLE && item.outcome == CheckOutcome::Fail {
         back_to_import(ui, panel);
@@ -124,13 +105,6 @@ fn faults(ui: &mut Ui, found: &Readiness, is_shown: &mut bool) {
     let Some(table) = &found.faults else {
         return;
     };
-    let name = if *is_shown {
-        "Hide faults"
-    } else {
-        "Show faults"
-    };
-    if ui.button(name).clicked() {
-        *is_shown = !*is_shown;
-    }
+    fault_button(ui, is_shown);
     fault_window(ui, table, is_shown);
 }

@@ -5,7 +5,7 @@ use tautline_core::diagnosis::Discrepancy;
 
 use super::Panel;
 use crate::model::command::ViewCommand;
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences::groups;
 use tautline_workflow::wording::{list, p_value, ratio, readings, sentence};
@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     if found.is_empty() || !panel.open.is_model_diagnosed() {
         return;
     }
-    let title = "What the residuals depend on";
+    let title = "Dependences of the residuals";
     CollapsingHeader::new(title).show(ui, |ui| {
         for group in groups(found) {
             line(ui, panel, diagnosed, found, &group);
@@ -49,7 +49,7 @@ fn line(
         0 | 1 => "",
         _ => ", which vary together here",
     };
-    muted(ui, &format!("Against {}{together}", list(&names)));
+    ui.muted(&format!("Against {}{together}", list(&names)));
     let tip = format!(
         "By chance alone: {}, corrected for all tests. Click for the plot.",
         p_value(first.p_value)

@@ -8,22 +8,14 @@ use super::{Panel, card, discrepancy, effects, results};
 use crate::model::command::{DIAGNOSING, IdentificationCommand};
 use crate::model::findings;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, muted, probability, section, verdict};
+use crate::widgets::{UiExt, Verdict, probability};
 use tautline_workflow::diagnosis::{Diagnosed, adequacy};
 use tautline_workflow::wording::{p_value, sentence};
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    muted(
-        ui,
-        "Tests which known faults of cables, pulleys, winches and sensors explain the residuals, and validates each on held-out poses.",
-    );
-    let has_effects = !panel
-        .open
-        .session()
-        .settings
-        .identification
-        .effects
-        .is_empty();
+    ui.muted("Tests which known faults of cables, pulleys, winches and sensors explain the residuals, and validates each on held-out poses.");
+    let settings = &panel.open.session().settings.identification;
+    let has_effects = !settings.effects.is_empty();
     if let Some(fit) = panel
         .open
         .fit()
@@ -32,17 +24,12 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         results::adequacy(ui, panel, fit);
     }
     ui.add_space(GRID);
-    let task = panel
-        .model
-        .tasks
-        .running()
-        .iter()
-        .find(|task| task.title == DIAGNOSING);
-    if let Some(task) = task {
+    let mut running = panel.model.tasks.running().iter();
+    if let Some(task) = running.find(|task| task.title == DIAGNOSING) {
         ui.horizontal(|ui| {
             ui.spinner();
             let text = sentence(&task.progress().text);
-            ui.add(egui::Label::new(format!("{text} …")).wrap());
+            ui.wrapped(format!("{text} …"));
         });
         if ui.button("Cancel diagnosis").clicked() {
             panel.outbox.send(IdentificationCommand::Stop);
@@ -54,7 +41,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         answer(ui, panel, &diagnosed);
     }
     if has_effects {
-        section(ui, "Effects in the model");
+        ui.section("Effects in the model");
         effects::show(ui, panel);
     }
 }
@@ -68,11 +55,7 @@ pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
 
 fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Arc<Diagnosed>) {
     if !panel.open.diagnosis_is_current() {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "The model or the data have changed since the last diagnosis. Diagnose again.",
-        );
+        ui.doubtful("The model or the data have changed since the last diagnosis. Diagnose again.");
         CollapsingHeader::new("The last diagnosis")
             .id_salt(Arc::as_ptr(diagnosed))
             .show(ui, |ui| found(ui, panel, diagnosed));
@@ -85,23 +68,20 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Arc<Diagnosed>) {
 fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     if panel.open.diagnosis_is_current() && !panel.open.is_model_diagnosed() {
-        muted(
-            ui,
-            "This diagnosis led to the present model. Diagnose again to check it.",
-        );
+        ui.muted("This diagnosis led to the present model. Diagnose again to check it.");
     } else {
         judgement(ui, diagnosed);
     }
     for (heading, sentences) in diagnosed.gross() {
-        section(ui, heading);
+        ui.section(heading);
         // The last sentence is advice.
         let [found @ .., advice] = &sentences[..] else {
             continue;
         };
         for line in found {
-            verdict(ui, Verdict::Bad, line);
+            ui.bad(line);
         }
-        muted(ui, advice);
+        ui.muted(advice);
     }
     for (heading, is_cause) in [("Causes", true), ("What remains", false)] {
         let findings = diagnosis.findings.iter().enumerate();
@@ -109,7 +89,7 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
             .filter(|(_, f)| f.cause().is_some() == is_cause)
             .peekable();
         if shown.peek().is_some() {
-            section(ui, heading);
+            ui.section(heading);
         }
         for (number, _) in shown {
             card::show(ui, panel, diagnosed, number);
@@ -127,7 +107,7 @@ fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
         true => Verdict::Doubtful,
         false => Verdict::Bad,
     };
-    verdict(ui, kind, &sentence(&diagnosed.judgement("not")));
+    ui.verdict(kind, &sentence(&diagnosed.judgement("not")));
     for (index, line) in diagnosed.fit().iter().enumerate() {
         let test = diagnosis.base.global;
         let tip = format!(
@@ -137,7 +117,7 @@ fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
             p_value(test.p_value),
             100.0 * diagnosed.alpha
         );
-        let label = muted(ui, line);
+        let label = ui.muted(line);
         if index == 0 && *line == adequacy(&diagnosis.base) {
             label.on_hover_text(tip);
         }
@@ -148,14 +128,14 @@ fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
 fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     if !diagnosis.noise.is_empty() {
-        section(ui, "Noise");
+        ui.section("Noise");
     }
     for noise in &diagnosis.noise {
-        verdict(ui, Verdict::Doubtful, &diagnosed.noise_line(noise));
+        ui.doubtful(&diagnosed.noise_line(noise));
     }
     if !diagnosis.findings.is_empty() {
         for line in diagnosed.remaining_lines().iter().take(3) {
-            muted(ui, line);
+            ui.muted(line);
         }
     }
     possible(ui, diagnosed);
@@ -165,22 +145,19 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     };
     ui.add_space(2.0 * GRID);
     let clean = diagnosis.findings.is_empty();
-    let header = CollapsingHeader::new("What these poses cannot show")
+    let header = CollapsingHeader::new("Not detectable with these poses")
         .open(Some(panel.memory.show_invisible))
         .show(ui, |ui| {
-            muted(ui, heading);
+            ui.muted(heading);
             for line in lines {
-                ui.add(egui::Label::new(line.trim()).wrap());
+                ui.wrapped(line.trim());
             }
         });
     if header.header_response.clicked() {
         panel.memory.show_invisible = !panel.memory.show_invisible;
     }
     if clean && !panel.memory.show_invisible {
-        muted(
-            ui,
-            "No finding does not mean no fault: the list says from which size on each fault would have been detected.",
-        );
+        ui.muted("No finding does not mean no fault: the list says from which size on each fault would have been detected.");
     }
 }
 
@@ -191,14 +168,11 @@ fn possible(ui: &mut Ui, diagnosed: &Diagnosed) {
         return;
     }
     ui.add_space(2.0 * GRID);
-    CollapsingHeader::new("What else is possible").show(ui, |ui| {
-        muted(
-            ui,
-            "These data neither establish these causes nor rule them out:",
-        );
+    CollapsingHeader::new("Other possible causes").show(ui, |ui| {
+        ui.muted("These data neither establish these causes nor rule them out:");
         for cause in causes {
             let name = diagnosed.title(&cause.cause);
-            ui.add(egui::Label::new(&name).wrap());
+            ui.wrapped(&name);
             probability(ui, &name, cause.probability);
         }
     });

@@ -5,7 +5,7 @@ use egui::Ui;
 use super::Panel;
 use crate::model::edit::Edit;
 use crate::theme;
-use crate::widgets::{muted, named};
+use crate::widgets::{UiExt, named};
 use tautline_workflow::identification::{effect_sizes, effects_title};
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -13,21 +13,18 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let described = &robot.effects;
     let added = &panel.open.session().settings.identification.effects;
     if described.is_empty() && added.is_empty() {
-        muted(
-            ui,
-            "None besides the geometry. The model doctor proposes effects to add.",
-        );
+        ui.muted("None besides the geometry. The model doctor proposes effects to add.");
         return;
     }
     for setting in described {
         ui.label(effects_title(robot, std::slice::from_ref(setting)));
-        muted(ui, "held at the value in the robot description");
+        ui.muted("held at the value in the robot description");
     }
-    let fit = panel.open.fit().filter(|_| panel.open.fit_is_current());
+    let fit = panel.open.current_fit();
     for group in added.chunk_by(|one, other| one.effect == other.effect) {
         let title = effects_title(robot, group);
         ui.horizontal(|ui| {
-            ui.add(egui::Label::new(egui::RichText::new(&title).font(theme::strong(13.0))).wrap());
+            ui.wrapped(egui::RichText::new(&title).font(theme::strong(13.0)));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if named(ui.button("Remove"), &format!("Remove {title}"))
                     .on_hover_text("Removes it from the model and identifies again")
@@ -42,11 +39,11 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         match fit {
             Some(fit) => {
                 for size in effect_sizes(fit, group) {
-                    muted(ui, &size);
+                    ui.muted(&size);
                 }
             }
             None => {
-                muted(ui, "estimated by the identification");
+                ui.muted("estimated by the identification");
             }
         }
     }

@@ -4,7 +4,7 @@ use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use tautline_core::diagnosis::Gain;
 
 use crate::theme::{self, GRID};
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 use tautline_workflow::diagnosis;
 use tautline_workflow::wording::units::fixed;
 use tautline_workflow::wording::{count, ratio};
@@ -14,14 +14,10 @@ pub fn show(ui: &mut Ui, gain: &Gain) {
     if gain.poses_held_out > 0 && diagnosis::is_improvement(gain) {
         dumbbell(ui, gain);
     }
-    ui.add(
-        egui::Label::new(egui::RichText::new(first_upper(&diagnosis::gain(gain))).small()).wrap(),
+    ui.wrapped(
+        egui::RichText::new(tautline_workflow::wording::sentence(&diagnosis::gain(gain))).small(),
     )
     .on_hover_text(kinds(gain));
-}
-
-fn first_upper(text: &str) -> String {
-    tautline_workflow::wording::sentence(text)
 }
 
 fn kinds(gain: &Gain) -> String {
@@ -38,10 +34,9 @@ fn kinds(gain: &Gain) -> String {
 fn dumbbell(ui: &mut Ui, gain: &Gain) {
     let palette = theme::of(ui);
     let poses = count(gain.poses_held_out, "pose");
-    muted(
-        ui,
-        &format!("Residuals at {poses} held out, in multiples of the expected noise:"),
-    );
+    ui.muted(&format!(
+        "Residuals at {poses} held out, in multiples of the expected noise:"
+    ));
     let size = vec2(ui.available_width(), 9.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let [low, high] = gain.interval;

@@ -7,7 +7,7 @@ use super::{Panel, effects};
 use crate::model::command::{IDENTIFYING, IdentificationCommand};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
-use crate::widgets::{muted, primary, radio, section};
+use crate::widgets::{UiExt, primary, radio};
 use tautline_workflow::wording::ratio;
 
 /// Name, sentence and explanation of each method.
@@ -33,9 +33,9 @@ const METHODS: [(Method, &str, &str, &str); 3] = [
 ];
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    section(ui, "Method");
+    ui.section("Method");
     method(ui, panel);
-    section(ui, "Effects in the model");
+    ui.section("Effects in the model");
     effects::show(ui, panel);
     ui.add_space(2.0 * GRID);
     if panel.model.tasks.runs(IDENTIFYING) {
@@ -64,7 +64,7 @@ fn method(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
     });
     if let Some((_, _, sentence, _)) = METHODS.iter().find(|(method, ..)| *method == now) {
-        muted(ui, sentence);
+        ui.muted(sentence);
     }
 }
 

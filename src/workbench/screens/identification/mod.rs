@@ -18,11 +18,11 @@ use egui::Ui;
 use crate::model::command::Outbox;
 use crate::model::open_session::StoredFit;
 use crate::model::{Model, OpenSession};
-use crate::widgets::{Verdict, heading, muted, verdict};
+use crate::widgets::UiExt;
 
-/// Halves of the panel.
+/// Tabs of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Half {
+pub enum IdentificationTab {
     /// Method and geometry.
     #[default]
     Geometry,
@@ -33,7 +33,7 @@ pub enum Half {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    pub half: Half,
+    pub tab: IdentificationTab,
     /// Whether the table shows all coordinates.
     show_axes: bool,
     /// Whether the faults that the data cannot show are listed in full.
@@ -51,16 +51,13 @@ struct Panel<'a> {
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    heading(ui, "Identification");
+    ui.heading("Identification");
     let Some(open) = &model.open else {
         return;
     };
     let poses = open.session().measurements.len();
     if poses == 0 {
-        muted(
-            ui,
-            "Pulley positions and a diagnosis of the model appear here once poses are measured. Measure in phase 3, or open a dataset folder.",
-        );
+        ui.muted("Pulley positions and a diagnosis of the model appear here once poses are measured. Measure in phase 3, or open a dataset folder.");
         return;
     }
     let panel = &mut Panel {
@@ -70,28 +67,24 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         memory: panel,
     };
     ui.horizontal(|ui| {
-        let halves = [(Half::Geometry, "Geometry"), (Half::Doctor, "Model doctor")];
-        for (half, name) in halves {
-            ui.selectable_value(&mut panel.memory.half, half, name);
+        let tabs = [
+            (IdentificationTab::Geometry, "Geometry"),
+            (IdentificationTab::Doctor, "Model doctor"),
+        ];
+        for (tab, name) in tabs {
+            ui.selectable_value(&mut panel.memory.tab, tab, name);
         }
     });
-    match panel.memory.half {
-        Half::Geometry => geometry(ui, panel),
-        Half::Doctor => doctor::show(ui, panel),
+    match panel.memory.tab {
+        IdentificationTab::Geometry => geometry(ui, panel),
+        IdentificationTab::Doctor => doctor::show(ui, panel),
     }
 }
 
 fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
-    muted(
-        ui,
-        "Estimates the pulley positions from the measured poses.",
-    );
+    ui.muted("Estimates the pulley positions from the measured poses.");
     if panel.open.stored() == StoredFit::OutOfDate {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "The result in this session belongs to other data: identify again.",
-        );
+        ui.doubtful("The result in this session belongs to other data: identify again.");
     }
     check::show(ui, panel);
     identify::show(ui, panel);

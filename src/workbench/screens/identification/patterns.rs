@@ -1,6 +1,6 @@
 //! Patterns of an error without a known cause, and their addition to the model.
 
-use egui::{Label, Spinner, Ui};
+use egui::Ui;
 use egui_material_icons::icons;
 use tautline_workflow::formulas::PatternDocument;
 
@@ -8,16 +8,13 @@ use super::Panel;
 use crate::model::command::{FORMULAS, HypothesisCommand, IdentificationCommand};
 use crate::model::findings;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, icon_button, muted, named, probability, verdict};
+use crate::widgets::{UiExt, icon_button, named, probability};
 
 /// Button that starts the search, and the patterns found.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.add_space(GRID);
     if panel.model.tasks.runs(FORMULAS) {
-        ui.horizontal(|ui| {
-            ui.add(Spinner::new());
-            muted(ui, "Trying patterns…");
-        });
+        ui.busy("Trying patterns…");
         return;
     }
     let inputs = panel.open.inputs();
@@ -33,15 +30,12 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                 panel.outbox.send(IdentificationCommand::FindFormulas);
             }
         }
-        Some((_, Err(error))) => verdict(ui, Verdict::Bad, error),
+        Some((_, Err(error))) => ui.bad(error),
         Some((_, Ok(patterns))) if patterns.is_empty() => {
-            muted(ui, "No pattern of the quantities at hand describes it.");
+            ui.muted("No pattern of the quantities at hand describes it.");
         }
         Some((_, Ok(patterns))) => {
-            muted(
-                ui,
-                "It looks like one of these patterns. None of them is a cause: what depends on these quantities?",
-            );
+            ui.muted("It looks like one of these patterns. None of them is a cause: what depends on these quantities?");
             for pattern in patterns {
                 one(ui, panel, pattern);
             }
@@ -52,19 +46,16 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 fn one(ui: &mut Ui, panel: &mut Panel<'_>, pattern: &PatternDocument) {
     let name = pattern.title();
     ui.add_space(GRID);
-    ui.add(Label::new(&name).wrap());
+    ui.wrapped(&name);
     probability(ui, &name, pattern.probability);
     let sizes = pattern.sizes();
     if !sizes.is_empty() {
-        muted(ui, &format!("Size: {sizes}"));
+        ui.muted(&format!("Size: {sizes}"));
     }
     if let Some(residuals) = pattern.held_out() {
-        muted(
-            ui,
-            &format!(
-                "At poses held out of the fit, residuals are {residuals} times the expected noise."
-            ),
-        );
+        ui.muted(&format!(
+            "At poses held out of the fit, residuals are {residuals} times the expected noise."
+        ));
     }
     let edit = ui.button("Edit as a hypothesis");
     if named(edit, &format!("Edit {name} as a hypothesis")).clicked() {

@@ -6,14 +6,14 @@ use egui::Ui;
 use nalgebra::Vector3;
 use tautline_core::estimation::{ParameterId, Solution};
 
-use super::rows::{Cell, deviation, heads, millimetres, row};
+use super::rows::{deviation, heads, millimetres, row};
 use super::{Panel, doctor, identify, suspects};
 use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::model::next_step::of_fit;
 use crate::theme::{self, GRID};
 use crate::views::pulley_inspector;
-use crate::widgets::{Verdict, checkbox, muted, section, verdict};
+use crate::widgets::{Cell, UiExt, Verdict, checkbox};
 use tautline_workflow::identification::{
     FitVerdict, Identification, entry_point_covariance, entry_point_sd,
 };
@@ -24,13 +24,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let Some(fit) = panel.open.fit().cloned() else {
         return;
     };
-    section(ui, "Result");
+    ui.section("Result");
     if !panel.open.fit_is_current() && !panel.model.tasks.runs(IDENTIFYING) {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "The inputs have changed: identify again.",
-        );
+        ui.doubtful("The inputs have changed: identify again.");
     }
     adequacy(ui, panel, &fit);
     if panel.open.fit_is_current() && !panel.open.diagnosis_is_current() {
@@ -40,13 +36,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     pulleys(ui, panel, &fit);
     others(ui, &fit);
     if !fit.open.is_empty() {
-        section(ui, "Not determined by the data");
+        ui.section("Not determined by the data");
         for open in &fit.open {
-            verdict(
-                ui,
-                Verdict::Doubtful,
-                &format!("{}.", sentence(&open.sentence)),
-            );
+            ui.doubtful(&format!("{}.", sentence(&open.sentence)));
         }
     }
     suspects::show(ui, panel, &fit);
@@ -60,7 +52,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         false => Verdict::Neutral,
     };
     for problem in of_fit(panel.model, panel.open, fit) {
-        verdict(ui, wrong, &problem.text);
+        ui.verdict(wrong, &problem.text);
     }
     let explains = FitVerdict::of(solution.p_value());
     let kind = match explains {
@@ -69,9 +61,9 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         FitVerdict::Inadequate | FitVerdict::Untested => Verdict::Neutral,
     };
     if explains == FitVerdict::Inadequate {
-        muted(ui, "The standard deviations are valid only if it does.");
+        ui.muted("The standard deviations are valid only if it does.");
     } else {
-        verdict(ui, kind, &format!("{}.", sentence(explains.words())));
+        ui.verdict(kind, &format!("{}.", sentence(explains.words())));
     }
     if let Some(missed) = fit.residual_ratio() {
         let before = panel.model.identification.before.as_ref();
@@ -86,9 +78,9 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
             "Chi-square {:.1} for {:.0} degrees of freedom{test}; a correct model gives about 1.",
             solution.chi2, solution.degrees_of_freedom
         );
-        muted(ui, &text).on_hover_text(tip);
+        ui.muted(&text).on_hover_text(tip);
         if let Some((before, old)) = before.and_then(|before| Some((before, before.missed?))) {
-            let text = format!(
+            ui.muted(&format!(
                 "Before: {} times (chi-square {:.1} for {:.0} degrees of freedom, now {:.1} for {:.0}). Last change: {}.",
                 ratio(old),
                 before.chi2,
@@ -96,8 +88,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
                 solution.chi2,
                 solution.degrees_of_freedom,
                 before.what
-            );
-            muted(ui, &text);
+            ));
         }
     }
 }
@@ -105,11 +96,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
 fn published(ui: &mut Ui, fit: &Identification) {
     match &fit.published {
         None => {}
-        Some(Err(error)) => verdict(
-            ui,
-            Verdict::Doubtful,
-            &format!("{}: it cannot be compared.", sentence(error)),
-        ),
+        Some(Err(error)) => ui.doubtful(&format!("{}: it cannot be compared.", sentence(error))),
         Some(Ok(published)) => {
             let solution = &published.poses.solution;
             let missed = (solution.chi2 / solution.degrees_of_freedom.max(1.0)).sqrt();
@@ -118,11 +105,10 @@ fn published(ui: &mut Ui, fit: &Identification) {
             } else {
                 " It did not converge."
             };
-            let text = format!(
+            ui.doubtful(&format!(
                 "The published method leaves residuals of {} times the expected noise.{end} It takes some coordinates as given and applies no weights: for comparison only.",
                 ratio(missed)
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
     }
 }
@@ -158,21 +144,15 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
     heads(ui, &shares, &titles);
     for (index, cable) in panel.open.session().robot.cables.iter().enumerate() {
         let nominal = Vector3::from(cable.pulley.entry_point_m);
-        let Some(found) = fit
-            .solution
-            .globals
-            .entry_points
-            .get(index)
-            .map(|p| Vector3::from(*p))
-        else {
+        let entry_points = &fit.solution.globals.entry_points;
+        let Some(found) = entry_points.get(index).map(|p| Vector3::from(*p)) else {
             return;
         };
         let (size, sd) = moved(&fit.solution, index, found - nominal);
         let selected = panel.model.selection.cable == Some(index);
         let mut cells = vec![
             Cell::new(format!("{}  {}", index + 1, cable.name))
-                .coloured(theme::of(ui).cable(index))
-                .strong(),
+                .coloured(theme::of(ui).cable(index)),
             Cell::new(millimetres(size, sd)),
             Cell::new(deviation(sd)),
         ];
@@ -203,13 +183,10 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
             axes(ui, &fit.solution, index, [nominal, found], other);
         }
         if selected {
-            pulley_inspector::button(ui, (index, &cable.name), panel.outbox);
+            pulley_inspector::button(ui, index, &cable.name, panel.outbox);
         }
     }
-    muted(
-        ui,
-        "Moved: distance from the nominal position. ±: standard deviation in that direction. Double-click a pulley to inspect it.",
-    );
+    ui.muted("Moved: distance from the nominal position. ±: standard deviation in that direction. Double-click a pulley to inspect it.");
 }
 
 /// Coordinates of a pulley.
@@ -257,11 +234,8 @@ fn others(ui: &mut Ui, fit: &Identification) {
     let plane = robot
         .laser
         .map(|laser| globals.plane_offset_m - laser.target_plane.offset_m);
-    let lines: Vec<(String, String)> = fit
-        .solution
-        .parameters
-        .iter()
-        .enumerate()
+    let parameters = fit.solution.parameters.iter().enumerate();
+    let lines: Vec<(String, String)> = parameters
         .filter_map(|(index, parameter)| {
             let change = match parameter.id {
                 ParameterId::Home(coordinate) => home?[coordinate.index()],
@@ -278,12 +252,9 @@ fn others(ui: &mut Ui, fit: &Identification) {
     if lines.is_empty() {
         return;
     }
-    section(
-        ui,
-        match plane {
-            Some(_) => "Home pose and target plane: change",
-            None => "Home pose: change",
-        },
-    );
+    ui.section(match plane {
+        Some(_) => "Home pose and target plane: change",
+        None => "Home pose: change",
+    });
     identify::pair(ui, "home and plane", &lines);
 }

@@ -1,47 +1,16 @@
 //! Selectable rows of numbers.
 
-use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+use egui::{Align2, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 
 use crate::screens::bench_panel::decimals_for;
 use crate::theme::{self, GRID};
+use crate::widgets::Cell;
 use tautline_workflow::wording::units::mm;
-
-pub struct Cell {
-    text: String,
-    colour: Option<Color32>,
-    strong: bool,
-}
-
-impl Cell {
-    pub fn new(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            colour: None,
-            strong: false,
-        }
-    }
-
-    /// Sets a colour.
-    pub fn coloured(self, colour: Color32) -> Self {
-        Self {
-            colour: Some(colour),
-            ..self
-        }
-    }
-
-    /// Makes the text bold.
-    pub fn strong(self) -> Self {
-        Self {
-            strong: true,
-            ..self
-        }
-    }
-}
 
 const HEIGHT: f32 = 5.5 * GRID;
 
-/// Draws a row: the first cell left-aligned, the others right-aligned in their shares of the width. `selected` is
-/// `None` if the row is not selectable. `name` is the accessible name.
+/// Draws a row: the first cell left-aligned, the others right-aligned in their shares of the width. A row that can be selected
+/// begins with its name; `selected` is `None` for others. `name` is the accessible name.
 pub fn row(
     ui: &mut Ui,
     shares: &[f32],
@@ -76,7 +45,7 @@ pub fn row(
     let mut right = inside.left();
     for (k, (cell, share)) in cells.iter().zip(shares).enumerate() {
         right += inside.width() * share / total;
-        let font = if cell.strong {
+        let font = if k == 0 && selected.is_some() {
             theme::strong(13.0)
         } else {
             FontId::proportional(13.0)

@@ -8,7 +8,7 @@ use crate::model::Selection;
 use crate::model::command::ViewCommand;
 use crate::model::edit::Edit;
 use crate::theme;
-use crate::widgets::{muted, section};
+use crate::widgets::UiExt;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::count;
 
@@ -18,20 +18,14 @@ const SHOWN: usize = 5;
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification) {
     let poses = &fit.suspects;
     if !poses.is_empty() {
-        section(ui, "Suspicious readings");
-        muted(
-            ui,
-            "These readings do not fit the model. A single one may be an outlier; many on one cable point to a missing effect.",
-        );
+        ui.section("Suspicious readings");
+        ui.muted("These readings do not fit the model. A single one may be an outlier; many on one cable point to a missing effect.");
     }
     for pose in poses.iter().take(SHOWN) {
         suspect(ui, panel, fit, pose);
     }
     if poses.len() > SHOWN {
-        muted(
-            ui,
-            &format!("and {} more", count(poses.len() - SHOWN, "pose")),
-        );
+        ui.muted(&format!("and {} more", count(poses.len() - SHOWN, "pose")));
     }
     excluded(ui, panel);
 }
@@ -66,10 +60,7 @@ fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification, readings: &
         .is_some_and(|(row, _)| *row == readings[0].row)
         && fit.dataset.measurements.home_row() == Some(readings[0].row);
     if is_home {
-        muted(
-            ui,
-            "The home pose cannot be excluded: revolutions are counted from it.",
-        );
+        ui.muted("The home pose cannot be excluded: revolutions are counted from it.");
     } else if ui.button(format!("Exclude pose {label}")).clicked() {
         panel.outbox.send(Edit::Exclude(label));
     }
@@ -80,7 +71,7 @@ fn excluded(ui: &mut Ui, panel: &mut Panel<'_>) {
     if excluded.is_empty() {
         return;
     }
-    section(ui, "Excluded poses");
+    ui.section("Excluded poses");
     ui.horizontal_wrapped(|ui| {
         for label in excluded {
             let button = ui.button(format!("Include pose {label}"));

@@ -9,12 +9,12 @@ use crate::model::Model;
 use crate::model::command::{FileCommand, Outbox, RecordingCommand};
 use crate::screens::start::template_buttons;
 use crate::theme::GRID;
-use crate::widgets::{COLUMN, heading, icon_button, muted, page, section};
+use crate::widgets::{COLUMN, UiExt, icon_button, page};
 use egui_material_icons::icons;
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    page(ui, (COLUMN, 8.0 * GRID), |ui| {
-        heading(ui, "Import files of other programs");
+    page(ui, COLUMN, 8.0 * GRID, |ui| {
+        ui.heading("Import files of other programs");
         if model.open.is_some() {
             file(ui, panel, outbox);
         } else {
@@ -24,10 +24,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 }
 
 fn file(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
-    muted(
-        ui,
-        "Logs of the controller, motion capture, lists of points, spreadsheets, MATLAB and NumPy files: the content tells what a file is. Drop it on the window, or open it here.",
-    );
+    ui.muted("Logs of the controller, motion capture, lists of points, spreadsheets, MATLAB and NumPy files: the content tells what a file is. Drop it on the window, or open it here.");
     ui.add_space(2.0 * GRID);
     let size = egui::vec2(ui.available_width(), 7.0 * GRID);
     let layout = egui::Layout::right_to_left(egui::Align::Center);
@@ -37,22 +34,15 @@ fn file(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
 }
 
 fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    let files: Vec<&str> = model
-        .importing
-        .waiting
-        .iter()
-        .map(|source| source.file.as_str())
-        .collect();
+    let waiting = model.importing.waiting.iter();
+    let files: Vec<&str> = waiting.map(|source| source.file.as_str()).collect();
     if files.is_empty() {
         file(ui, panel, outbox);
     } else {
-        muted(ui, &files.join(", "));
+        ui.muted(&files.join(", "));
     }
-    section(ui, "Which robot was measured?");
-    muted(
-        ui,
-        "Its description says how many cables there are and what their readings should be. Drop a session or a robot.json on the window, or start with a known robot:",
-    );
+    ui.section("Which robot was measured?");
+    ui.muted("Its description says how many cables there are and what their readings should be. Drop a session or a robot.json on the window, or start with a known robot:");
     ui.add_space(GRID);
     ui.horizontal_wrapped(|ui| {
         for preset in presets::NAMES.into_iter().filter_map(presets::find) {
@@ -63,7 +53,7 @@ fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox
             }
         }
     });
-    muted(ui, "Or begin with a new one, and describe it later:");
+    ui.muted("Or begin with a new one, and describe it later:");
     template_buttons(ui, outbox);
     ui.add_space(GRID);
     if icon_button(

@@ -12,7 +12,7 @@ use super::Bench;
 use crate::model::command::RecordingCommand;
 use crate::model::importing::ChannelPlace;
 use crate::theme::{self, GRID};
-use crate::widgets::{muted, section};
+use crate::widgets::{UiExt, row_ground};
 
 /// Height of a row and widths of its parts (points).
 const ROW: f32 = 6.0 * GRID;
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         let several = bench.open.all_series().count() > 1;
         for (k, series) in bench.open.all_series().enumerate() {
             if several {
-                section(ui, &series.name);
+                ui.section(&series.name);
             }
             let texts = series.channels.len()..series.channels.len() + series.texts.len();
             for channel in (0..series.channels.len()).chain(texts) {
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
             }
         }
         if bench.open.all_series().next().is_none() {
-            muted(ui, "These files have no channels.");
+            ui.muted("These files have no channels.");
         }
     });
 }
@@ -61,12 +61,7 @@ fn row(ui: &mut Ui, bench: &Bench<'_>, series: &Series, place: ChannelPlace) -> 
         return response.clicked();
     }
     let palette = theme::of(ui);
-    if is_shown {
-        ui.painter().rect_filled(rect, 2.0, palette.raised);
-    } else if response.hovered() || response.has_focus() {
-        let fill = palette.hovered.gamma_multiply(0.5);
-        ui.painter().rect_filled(rect, 2.0, fill);
-    }
+    row_ground(ui, &response, 2.0, is_shown);
     let cable = used
         .and_then(|column| Quantity::parse(column))
         .filter(|quantity| quantity.is_per_cable())

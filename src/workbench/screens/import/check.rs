@@ -9,17 +9,17 @@ use super::Bench;
 use crate::model::Model;
 use crate::model::command::{CUTTING, RecordingCommand};
 use crate::theme;
-use crate::widgets::{Verdict, icon_button, muted, primary, section, verdict};
+use crate::widgets::{UiExt, Verdict, icon_button, primary};
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Check");
+    ui.section("Check");
     let Some(cut) = bench.open.cut.clone() else {
-        muted(ui, "The readings are checked once poses are cut.");
+        ui.muted("The readings are checked once poses are cut.");
         return;
     };
     let suggestions = bench.open.suggestions();
     for (k, suggestion) in suggestions.iter().enumerate() {
-        verdict(ui, Verdict::Doubtful, &format!("{}.", suggestion.sentence));
+        ui.doubtful(&format!("{}.", suggestion.sentence));
         let name = format!("Correct {}", suggestion.columns.join(", "));
         if icon_button(ui, icons::ICON_BUILD, &name, true).clicked() {
             bench.outbox.send(RecordingCommand::Apply(k));
@@ -27,18 +27,13 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     }
     match &cut.result {
         Err(error) => {
-            verdict(ui, Verdict::Bad, &format!("{}.", error.error));
+            ui.bad(&format!("{}.", error.error));
         }
         Ok(_) if suggestions.is_empty() => readings(ui, &cut.checks),
         Ok(_) => {}
     }
-    let mut notices: Vec<&str> = bench
-        .open
-        .draft
-        .assumptions()
-        .iter()
-        .map(String::as_str)
-        .collect();
+    let assumptions = bench.open.draft.assumptions().iter();
+    let mut notices: Vec<&str> = assumptions.map(String::as_str).collect();
     if let Ok(imported) = &cut.result {
         notices.extend(imported.document.notices.iter().map(String::as_str));
     }
@@ -50,7 +45,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         .default_open(true)
         .show(ui, |ui| {
             for notice in notices {
-                muted(ui, &format!("{notice}."));
+                ui.muted(&format!("{notice}."));
             }
         });
 }
@@ -66,13 +61,13 @@ fn readings(ui: &mut Ui, checks: &[CheckItem]) {
             CheckOutcome::Notice => Verdict::Doubtful,
             CheckOutcome::NotEvaluated | CheckOutcome::Pass => Verdict::Neutral,
         };
-        verdict(ui, kind, &item.sentence);
+        ui.verdict(kind, &item.sentence);
         if let Some(action) = &item.action {
-            muted(ui, action);
+            ui.muted(action);
         }
     }
     if open.count() == 0 {
-        verdict(ui, Verdict::Good, "No mistake is found in the readings.");
+        ui.good("No mistake was found in the readings.");
     }
 }
 
@@ -110,8 +105,8 @@ pub fn last_step(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>) {
             ui.label(icon.color(colour));
             ui.label(match (poses, found) {
                 (None, _) => "See Check".to_owned(),
-                (_, 1) => "A mistake is found: see Check".to_owned(),
-                _ => format!("{found} mistakes are found: see Check"),
+                (_, 1) => "A mistake was found: see Check".to_owned(),
+                _ => format!("{found} mistakes were found: see Check"),
             });
         }
     });

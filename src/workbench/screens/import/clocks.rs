@@ -6,7 +6,7 @@ use tautline_import::Clock;
 
 use super::Bench;
 use crate::model::command::RecordingCommand;
-use crate::widgets::{Entered, Number, icon_button, muted, number, section};
+use crate::widgets::{Entered, Number, UiExt, icon_button, number};
 
 /// Draws the part if there are several clocks.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
@@ -24,11 +24,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     if timed.len() < 2 {
         return;
     }
-    section(ui, "Clocks");
-    muted(
-        ui,
-        "What is added to the times of each recorder, so that they agree.",
-    );
+    ui.section("Clocks");
+    ui.muted("Offsets that are added to the times of each recorder so that they agree.");
     for series in timed {
         let clocks = &bench.open.draft.recipe().clocks;
         let clock = clocks.iter().find(|clock| clock.series == series);
@@ -55,15 +52,12 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
                 });
             }
             if drift != 0.0 {
-                muted(ui, &format!("drift {:+.1} ppm", 1e6 * drift));
+                ui.muted(&format!("drift {:+.1} ppm", 1e6 * drift));
             }
         });
     }
     if icon_button(ui, icons::ICON_SCHEDULE, "Align the clocks", true).clicked() {
         bench.outbox.send(RecordingCommand::AlignClocks);
     }
-    muted(
-        ui,
-        "Offset and drift are found from the motion that both have recorded.",
-    );
+    ui.muted("Offset and drift are found from the motion that both have recorded.");
 }

@@ -6,13 +6,13 @@ use tautline_workflow::importing::channel_figure;
 use super::Bench;
 use crate::model::Selection;
 use crate::views::plots::small;
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 
 pub fn show(ui: &mut Ui, bench: &Bench<'_>) {
     let place = bench.open.shown;
     let series = bench.open.all_series().nth(place.series);
     let Some(channel) = series.and_then(|series| series.channels.get(place.channel)) else {
-        return empty(ui, "Choose a channel of numbers to see it over time.");
+        return ui.empty("Choose a channel of numbers to see it over time.");
     };
     let cut = bench.open.cut.as_ref();
     let times = cut.and_then(|cut| cut.times.get(place.series)?.as_deref());

@@ -5,7 +5,7 @@ use tautline_import::{Cutting, Rest};
 
 use super::Bench;
 use crate::theme::GRID;
-use crate::widgets::{checkbox, muted, radio, section};
+use crate::widgets::{UiExt, checkbox, radio};
 
 /// Degrees per radian.
 const DEGREES: f64 = 57.295_779_513_082_32;
@@ -24,7 +24,8 @@ struct Threshold {
 impl Threshold {
     const fn new(
         name: &'static str,
-        (unit, scale): (&'static str, f64),
+        unit: &'static str,
+        scale: f64,
         range: [f64; 2],
         of: fn(&mut Rest) -> &mut f64,
     ) -> Self {
@@ -39,22 +40,22 @@ impl Threshold {
 }
 
 const THRESHOLDS: [Threshold; 4] = [
-    Threshold::new("Shortest rest", ("s", 1.0), [0.05, 20.0], |rest| {
+    Threshold::new("Shortest rest", "s", 1.0, [0.05, 20.0], |rest| {
         &mut rest.minimum_s
     }),
-    Threshold::new("Settling time", ("s", 1.0), [0.0, 5.0], |rest| {
+    Threshold::new("Settling time", "s", 1.0, [0.0, 5.0], |rest| {
         &mut rest.settle_s
     }),
-    Threshold::new("Fastest motion", ("mm/s", 1e3), [0.05, 50.0], |rest| {
+    Threshold::new("Fastest motion", "mm/s", 1e3, [0.05, 50.0], |rest| {
         &mut rest.speed_m_s
     }),
-    Threshold::new("Fastest rotation", ("°/s", DEGREES), [0.01, 10.0], |rest| {
+    Threshold::new("Fastest rotation", "°/s", DEGREES, [0.01, 10.0], |rest| {
         &mut rest.turn_rad_s
     }),
 ];
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Poses");
+    ui.section("Poses");
     let recipe = bench.open.draft.recipe();
     let now = recipe.cutting;
     let rest = match now {
@@ -92,13 +93,10 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         let used: usize = rows.sum();
         let all = bench.open.all_series().map(|series| series.rows).max();
         let all = all.unwrap_or_default();
-        muted(
-            ui,
-            &format!(
-                "{} poses of {used} rows; the longest series has {all}.",
-                poses.len()
-            ),
-        );
+        ui.muted(&format!(
+            "{} poses of {used} rows; the longest series has {all}.",
+            poses.len()
+        ));
     }
 }
 

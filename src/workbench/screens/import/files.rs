@@ -7,11 +7,11 @@ use super::PanelState;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::OpenImport;
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, icon_only, muted, path_field};
+use crate::widgets::{UiExt, icon_button, icon_only, path_field};
 
 pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
-        heading(ui, "Import");
+        ui.heading("Import");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_CLOSE, "Cancel import", true).clicked() {
                 outbox.send(RecordingCommand::Discard);
@@ -38,10 +38,10 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
                 .map(|one| one.channels.len() + one.texts.len())
                 .sum();
             let rows: usize = series.map(|one| one.rows).sum();
-            muted(
-                ui,
-                &format!("{}, {rows} rows, {channels} channels", source.format.name()),
-            );
+            ui.muted(&format!(
+                "{}, {rows} rows, {channels} channels",
+                source.format.name()
+            ));
         });
     }
 }
@@ -55,11 +55,9 @@ pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox)
     let typed = !path.trim().is_empty();
     let pressed = icon_button(ui, icons::ICON_ADD, "Add", typed).clicked();
     let used = right - ui.available_width();
-    let names = (
-        "Path of a file to import",
-        "Path of a file or folder, or drop it here",
-    );
-    let entered = path_field(ui, names, path, (width - used).max(120.0));
+    let name = "Path of a file to import";
+    let hint = "Path of a file or folder, or drop it here";
+    let entered = path_field(ui, name, hint, path, (width - used).max(120.0));
     if typed && (pressed || entered) {
         outbox.send(RecordingCommand::Read(path.trim().into()));
         path.clear();

@@ -1,11 +1,11 @@
 //! Meaning of the shown channel: set for it alone, or by pattern for all cables.
 
-use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
+use egui::{ComboBox, Ui};
 use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
 
 use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
+use crate::widgets::{Entered, Number, UiExt, checkbox, choice, combo_box, form, number};
 
 const UNUSED: &str = "Not used";
 
@@ -53,8 +53,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
         entry: open.draft.recipe().entry_of(&series.name, name, cables),
         pattern: panel.pattern.as_ref().and_then(|known| known.found.clone()),
     };
-    heading(ui, name);
-    muted(ui, &words(&shown, place.channel));
+    ui.heading(name);
+    ui.muted(&words(&shown, place.channel));
     ui.add_space(GRID);
     scope(ui, &shown, panel, cables);
     let for_all = panel.for_all && shown.pattern.is_some();
@@ -102,75 +102,72 @@ fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &ShownChannel<'_>, for_all
         .entry
         .map(|entry| of_channel(entry, shown.name, cables));
     let quantity = own.as_ref().and_then(|own| Quantity::parse(&own.quantity));
-    Grid::new("meaning of the channel")
-        .num_columns(2)
-        .spacing([3.0 * GRID, 1.5 * GRID])
-        .show(ui, |ui| {
-            ui.label("Is");
-            let chosen = choose_quantity(ui, shown, quantity);
+    form("meaning of the channel").show(ui, |ui| {
+        ui.label("Is");
+        let chosen = choose_quantity(ui, shown, quantity);
+        ui.end_row();
+        if let Some(chosen) = chosen {
+            assign(bench, shown, own.clone(), chosen, for_all);
+        }
+        let (Some(own), Some(quantity)) = (own, quantity) else {
+            return;
+        };
+        if quantity.is_per_cable() && !for_all {
+            ui.label("Of cable");
+            if let Some(cable) = choose_cable(ui, bench, quantity.index) {
+                let moved = Quantity {
+                    index: cable,
+                    ..quantity
+                };
+                assign(bench, shown, Some(own.clone()), Some(moved), false);
+            }
             ui.end_row();
-            if let Some(chosen) = chosen {
-                assign(bench, shown, own.clone(), chosen, for_all);
+        }
+        let edit = |bench: &mut Bench<'_>, what: &str, change: &dyn Fn(&mut Assignment)| {
+            let mut changed = own.clone();
+            change(&mut changed);
+            let what = format!("change {what} of {}", shown.name);
+            put(bench, shown, changed, quantity, for_all, what);
+        };
+        if !quantity.is_text() && !quantity.usual_units().is_empty() {
+            ui.label("In");
+            if let Some(unit) = choose_unit(ui, shown, quantity, own.unit.as_deref()) {
+                edit(bench, "unit", &|own| own.unit.clone_from(&unit));
             }
-            let (Some(own), Some(quantity)) = (own, quantity) else {
-                return;
-            };
-            if quantity.is_per_cable() && !for_all {
-                ui.label("Of cable");
-                if let Some(cable) = choose_cable(ui, bench, quantity.index) {
-                    let moved = Quantity {
-                        index: cable,
-                        ..quantity
-                    };
-                    assign(bench, shown, Some(own.clone()), Some(moved), false);
-                }
-                ui.end_row();
-            }
-            let edit = |bench: &mut Bench<'_>, what: &str, change: &dyn Fn(&mut Assignment)| {
-                let mut changed = own.clone();
-                change(&mut changed);
-                let what = format!("change {what} of {}", shown.name);
-                put(bench, shown, changed, quantity, for_all, what);
-            };
-            if !quantity.is_text() && !quantity.usual_units().is_empty() {
-                ui.label("In");
-                if let Some(unit) = choose_unit(ui, shown, quantity, own.unit.as_deref()) {
-                    edit(bench, "unit", &|own| own.unit.clone_from(&unit));
-                }
-                ui.end_row();
-            }
-            if quantity.is_text() {
-                return;
-            }
-            ui.label("Sign");
-            ui.horizontal(|ui| {
-                let mut reversed = own.reversed;
-                if checkbox(ui, &mut reversed, "Reversed").changed() {
-                    edit(bench, "sign", &|own| own.reversed = reversed);
-                }
-                let mut from_first = own.from_first_pose;
-                let text = "Zero at the first pose";
-                if quantity.moves() && checkbox(ui, &mut from_first, text).changed() {
-                    edit(bench, "zero", &|own| own.from_first_pose = from_first);
-                }
-            });
             ui.end_row();
-            ui.label("Factor");
-            ui.horizontal(|ui| {
-                let typed = number(ui, &plain("Factor", own.factor));
-                if let Some(Entered::Value(value)) = typed
-                    && value != 0.0
-                {
-                    edit(bench, "factor", &|own| own.factor = value);
-                }
-                ui.label("Offset");
-                let typed = number(ui, &plain("Offset", own.offset));
-                if let Some(Entered::Value(value)) = typed {
-                    edit(bench, "offset", &|own| own.offset = value);
-                }
-            });
-            ui.end_row();
+        }
+        if quantity.is_text() {
+            return;
+        }
+        ui.label("Sign");
+        ui.horizontal(|ui| {
+            let mut reversed = own.reversed;
+            if checkbox(ui, &mut reversed, "Reversed").changed() {
+                edit(bench, "sign", &|own| own.reversed = reversed);
+            }
+            let mut from_first = own.from_first_pose;
+            let text = "Zero at the first pose";
+            if quantity.moves() && checkbox(ui, &mut from_first, text).changed() {
+                edit(bench, "zero", &|own| own.from_first_pose = from_first);
+            }
         });
+        ui.end_row();
+        ui.label("Factor");
+        ui.horizontal(|ui| {
+            let typed = number(ui, &plain("Factor", own.factor));
+            if let Some(Entered::Value(value)) = typed
+                && value != 0.0
+            {
+                edit(bench, "factor", &|own| own.factor = value);
+            }
+            ui.label("Offset");
+            let typed = number(ui, &plain("Offset", own.offset));
+            if let Some(Entered::Value(value)) = typed {
+                edit(bench, "offset", &|own| own.offset = value);
+            }
+        });
+        ui.end_row();
+    });
 }
 
 /// Field for a dimensionless number.
@@ -186,15 +183,8 @@ fn of_channel(entry: &Assignment, channel: &str, cables: usize) -> Assignment {
 }
 
 fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
-    let shown = ComboBox::from_id_salt(name)
-        .selected_text(selected)
-        .width(168.0)
-        .height(360.0)
-        .show_ui(ui, add);
-    let text = format!("{name}: {selected}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
+    let list = ComboBox::from_id_salt(name).width(168.0).height(360.0);
+    combo_box(ui, list, &format!("{name}: {selected}"), selected, add);
 }
 
 /// Returns a newly chosen quantity; `Some(None)` if the channel is not used.

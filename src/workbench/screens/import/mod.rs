@@ -45,6 +45,12 @@ struct KnownPattern {
 
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
+/// Parts, and their titles in a small window.
+const PARTS: [(ScreenPart, &str); 3] = [
+    (ScreenPart::Robot, "Channels"),
+    (ScreenPart::Panel, "Recipe"),
+    (ScreenPart::Plots, "Over time"),
+];
 
 /// Context of the parts of the screen.
 struct Bench<'a> {
@@ -87,47 +93,38 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         open: import,
         outbox,
     };
+    let mut part = panel.part;
+    let draw = |ui: &mut Ui, part: ScreenPart| match part {
+        ScreenPart::Panel => steps(ui, model, &mut bench, panel),
+        ScreenPart::Robot => channels::show(ui, &mut bench),
+        ScreenPart::Plots => course::show(ui, &bench),
+    };
     if ui.available_width() < COMPACT {
-        compact(ui, model, &mut bench, panel);
+        one_part(ui, &mut part, PARTS, draw);
     } else {
-        wide(ui, model, &mut bench, panel);
+        wide(ui, draw);
     }
+    panel.part = part;
 }
 
 /// All parts side by side.
-fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
+fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
     let side = panel_frame(ui);
     let width = (0.36 * ui.available_width()).clamp(360.0, 520.0);
     Panel::right("recipe of the import")
         .frame(side)
         .resizable(false)
         .exact_size(width)
-        .show(ui, |ui| steps(ui, model, bench, panel));
+        .show(ui, |ui| draw(ui, ScreenPart::Panel));
     let height = (0.42 * ui.available_height()).max(180.0);
     Panel::bottom("course of the channel")
         .frame(side)
         .resizable(false)
         .exact_size(height)
-        .show(ui, |ui| course::show(ui, bench));
+        .show(ui, |ui| draw(ui, ScreenPart::Plots));
     CentralPanel::no_frame()
         .frame(side)
-        .show(ui, |ui| channels::show(ui, bench));
-}
-
-/// One part at a time, in a small window.
-fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
-    let parts = [
-        (ScreenPart::Robot, "Channels"),
-        (ScreenPart::Panel, "Recipe"),
-        (ScreenPart::Plots, "Over time"),
-    ];
-    let mut part = panel.part;
-    one_part(ui, &mut part, parts, |ui, part| match part {
-        ScreenPart::Panel => steps(ui, model, bench, panel),
-        ScreenPart::Robot => channels::show(ui, bench),
-        ScreenPart::Plots => course::show(ui, bench),
-    });
-    panel.part = part;
+        .show(ui, |ui| draw(ui, ScreenPart::Robot));
 }
 
 /// Steps from channels to poses; the last one stays at the bottom.

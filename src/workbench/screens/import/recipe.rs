@@ -1,6 +1,6 @@
 //! The recipe: its entries, and its file.
 
-use egui::{Align, Label, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use egui::{Align, Label, Layout, Ui, Vec2};
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_import::{Assignment, Quantity};
@@ -8,16 +8,13 @@ use tautline_import::{Assignment, Quantity};
 use super::{Bench, PanelState};
 use crate::model::command::RecordingCommand;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button, icon_only, path_field};
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
-    section(ui, "Recipe");
-    muted(ui, bench.open.draft.origin());
+    ui.section("Recipe");
+    ui.muted(bench.open.draft.origin());
     entries(ui, bench);
-    muted(
-        ui,
-        "The session keeps it for the next file. As a file it serves other sessions and `tautline import --recipe`.",
-    );
+    ui.muted("The session keeps it for the next file. As a file it serves other sessions and `tautline import --recipe`.");
     let path = &mut panel.recipe;
     let size = Vec2::new(ui.available_width(), 7.0 * GRID);
     ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
@@ -36,11 +33,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
             let path = path.trim().into();
             bench.outbox.send(RecordingCommand::UseRecipe(path));
         }
-        let field = TextEdit::singleline(path)
-            .hint_text("Path of a recipe")
-            .desired_width(ui.available_width());
-        let field = ui.add(field);
-        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the recipe"));
+        let width = ui.available_width();
+        path_field(ui, "Path of the recipe", "Path of a recipe", path, width);
     });
 }
 
@@ -48,11 +42,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
 fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
     let recipe = bench.open.draft.recipe();
     if recipe.channels.is_empty() {
-        return verdict(
-            ui,
-            Verdict::Doubtful,
-            "No channel is used yet. Choose a channel at the left and say what it is.",
-        );
+        return ui
+            .doubtful("No channel is used yet. Choose a channel on the left and say what it is.");
     }
     let mut removed = None;
     for (k, entry) in recipe.channels.iter().enumerate() {

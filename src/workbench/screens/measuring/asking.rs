@@ -1,12 +1,12 @@
 //! Input of the laser distance, read by the operator.
 
-use egui::{Align, FontId, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Align, FontId, RichText, TextEdit, Ui};
 
 use super::PanelState;
 use crate::model::command::Outbox;
 use crate::model::link::LinkRequest;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, entered, muted, parse_number, primary, verdict};
+use crate::widgets::{UiExt, entered, name_text_field, parse_number, primary};
 
 /// Longest distance that can be typed (mm).
 const LONGEST_MM: f64 = 1e6;
@@ -54,17 +54,12 @@ pub(super) fn show(
             .font(FontId::proportional(20.0))
             .desired_width(36.0 * GRID);
         let field = ui.add(edit);
-        let value = memory.text.clone();
-        field.widget_info(|| {
-            let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-            info.label = Some(name.clone());
-            info
-        });
+        name_text_field(&field, &name, &memory.text);
         if is_new {
             field.request_focus();
             field.scroll_to_me(Some(Align::Center));
         }
-        muted(ui, "mm");
+        ui.muted("mm");
         let entered = entered(&field);
         let good = distance_m(&memory.text).is_ok() && !memory.sent;
         let pressed = primary(ui, "Enter distance", good).clicked();
@@ -89,21 +84,20 @@ pub(super) fn show(
 fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
     if text.trim().is_empty() {
         match expected_m {
-            Some(expected_m) => muted(ui, &format!("Expected about {:.0} mm.", expected_m * 1e3)),
-            None => muted(ui, "The robot waits until the distance is entered."),
+            Some(expected_m) => ui.muted(&format!("Expected about {:.0} mm.", expected_m * 1e3)),
+            None => ui.muted("The robot waits until the distance is entered."),
         };
         return;
     }
     match (distance_m(text), expected_m) {
-        (Err(problem), _) => verdict(ui, Verdict::Bad, &format!("Laser distance: {problem}.")),
+        (Err(problem), _) => ui.bad(&format!("Laser distance: {problem}.")),
         (Ok(typed_m), Some(expected_m)) if (typed_m - expected_m).abs() > FAR_M => {
-            let text = format!(
+            ui.doubtful(&format!(
                 "Expected about {:.0} mm. Check the reading, or enter it anyway.",
                 expected_m * 1e3
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
-        (Ok(_), Some(_)) => verdict(ui, Verdict::Good, "As expected."),
+        (Ok(_), Some(_)) => ui.good("As expected."),
         (Ok(_), None) => {}
     }
 }

@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::model::command::{Outbox, RobotCommand, Setup};
 use crate::model::link::{LinkRequest, LostConnection};
 use crate::theme;
-use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, combo_box, icon_button};
 use tautline_workflow::controllers::RobotKind;
 
 /// Time factors offered for simulated robots.
@@ -18,7 +18,7 @@ const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
 
 /// Draws connection and arming.
 pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    section(ui, "Controller");
+    ui.section("Controller");
     let Some(open) = &model.open else {
         return;
     };
@@ -42,7 +42,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
         RobotKind::OfSession | RobotKind::Real => open.session().robot.unchecked_tensions(),
     };
     if let Some(note) = note {
-        verdict(ui, Verdict::Doubtful, note);
+        ui.doubtful(note);
     }
     let palette = theme::of(ui);
     let (words, colour) = match (&controller.activity, controller.armed) {
@@ -73,10 +73,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
         }
     });
     if kind == RobotKind::Real && !controller.armed && model.link.is_measuring() {
-        muted(
-            ui,
-            "The run is paused. Arming does not move the robot; press Resume to continue.",
-        );
+        ui.muted("The run is paused. Arming does not move the robot; press Resume to continue.");
     }
 }
 
@@ -88,11 +85,8 @@ fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: RobotKind) 
         RobotKind::Real => "Connect the controller",
     };
     if offered == RobotKind::OfDescription {
-        muted(
-            ui,
-            "Choose the controller of the real robot, or try the procedure on a robot that is simulated from this \
-             description.",
-        );
+        ui.muted("Choose the controller of the real robot, or try the procedure on a robot that is simulated from this \
+             description.");
     }
     let free = !model.link.connecting;
     ui.horizontal_wrapped(|ui| {
@@ -105,18 +99,17 @@ fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: RobotKind) 
         }
         if !free {
             ui.spinner();
-            muted(ui, "Connecting…");
+            ui.muted("Connecting…");
         }
     });
 }
 
 /// While a lost connection is being re-established.
 fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &LostConnection) {
-    let text = format!("{} The robot is disarmed.", lost_words(lost));
-    verdict(ui, Verdict::Bad, &text);
+    ui.bad(&format!("{} The robot is disarmed.", lost_words(lost)));
     let why = tautline_workflow::wording::sentence(lost.why.trim_end_matches('.'));
     let why = egui::RichText::new(format!("{why}.")).color(theme::of(ui).muted);
-    ui.add(egui::Label::new(why).wrap());
+    ui.wrapped(why);
     ui.horizontal_wrapped(|ui| {
         if icon_button(ui, icons::ICON_SYNC, "Reconnect now", true).clicked() {
             outbox.send(LinkRequest::TryNow);
@@ -144,16 +137,12 @@ fn speed(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let mut speed = model.link.speed();
     let before = speed;
     let words = |speed: f64| format!("{speed:.0}x speed");
-    let chosen = ComboBox::from_id_salt("speed")
-        .selected_text(words(speed))
-        .width(88.0)
-        .show_ui(ui, |ui| {
-            for offered in SPEEDS {
-                ui.selectable_value(&mut speed, offered, words(offered));
-            }
-        });
-    chosen.response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Speed of the simulation")
+    let list = ComboBox::from_id_salt("speed").width(88.0);
+    let selected = words(speed);
+    combo_box(ui, list, "Speed of the simulation", &selected, |ui| {
+        for offered in SPEEDS {
+            ui.selectable_value(&mut speed, offered, words(offered));
+        }
     });
     if speed != before {
         outbox.send(RobotCommand::Speed(speed));

@@ -6,7 +6,7 @@ use tautline_session::{PhaseData, PoseDistance};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, verdict};
+use crate::widgets::{Numbers, RowField, Rows, RowsEdit, UiExt};
 use tautline_workflow::wording::units::mm;
 
 const FIELDS: [RowField; 3] = [
@@ -54,14 +54,11 @@ pub fn show(ui: &mut Ui, model: &Model, input: &mut DistancesInput, outbox: &mut
         selection: model.selection,
         outbox,
     };
-    section(ui, "Distances between poses");
-    muted(
-        ui,
-        "The distance between the centres of the platform at two poses, with a tape or on a board with marks, tells the \
-         size of the machine. Type distances here, or drop a distances.csv.",
-    );
+    ui.section("Distances between poses");
+    ui.muted("The distance between the centres of the platform at two poses, with a tape or on a board with marks, tells the \
+         size of the machine. Type distances here, or drop a distances.csv.");
     ui.horizontal(|ui| {
-        muted(ui, "Standard deviation of the tape");
+        ui.muted("Standard deviation of the tape");
         let field = DragValue::new(&mut input.sd_mm)
             .range(0.01..=1000.0)
             .speed(0.05);
@@ -84,12 +81,13 @@ pub fn show(ui: &mut Ui, model: &Model, input: &mut DistancesInput, outbox: &mut
         .flat_map(|one| one.poses)
         .find(|label| !labels.contains(label));
     if let Some(label) = lost {
-        let text = format!("Pose {label} is not measured: its distances have no effect.");
-        verdict(ui, Verdict::Doubtful, &text);
+        ui.doubtful(&format!(
+            "Pose {label} is not measured: its distances have no effect."
+        ));
     }
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("distance", edit, |phases, edit| change(phases, edit, sd_m));
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, |phases, edit| {
+        change(phases, edit, sd_m);
+    });
 }
 
 fn numbers(one: &PoseDistance) -> Numbers {

@@ -20,7 +20,7 @@ use crate::model::command::Outbox;
 use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand};
 use crate::model::next_step::no_home;
 use crate::model::{Memo, Model, OpenSession};
-use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button};
 use tautline_workflow::clock;
 use tautline_workflow::report::overdue;
 
@@ -28,7 +28,7 @@ use tautline_workflow::report::overdue;
 #[derive(Debug)]
 pub struct PanelState {
     /// Number of poses to plan.
-    poses: usize,
+    pub poses: usize,
     /// Goal for the standard deviation of the entry points (mm).
     goal_mm: f64,
     /// Plan for which a prediction was requested, and the id of its session.
@@ -45,14 +45,6 @@ pub struct PanelState {
     shows_faults: bool,
     until: until::UntilState,
     distances: distances::DistancesInput,
-}
-
-impl PanelState {
-    /// Number of poses to plan.
-    #[must_use]
-    pub fn poses(&self) -> usize {
-        self.poses
-    }
 }
 
 impl Default for PanelState {
@@ -73,15 +65,12 @@ impl Default for PanelState {
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    heading(ui, "Measuring");
+    ui.heading("Measuring");
     if model.link.is_under_way() {
         // While the robot moves, nothing else needs attention.
         return run::under_way(ui, model, panel, outbox);
     }
-    muted(
-        ui,
-        "The robot visits poses that determine its pulleys well; at each it stops and all sensors are read.",
-    );
+    ui.muted("The robot visits poses that determine its pulleys well; at each it stops and all sensors are read.");
     ask(model, panel, outbox);
     instruments(ui, model);
     plan(ui, model, panel, outbox);
@@ -119,36 +108,27 @@ fn instruments(ui: &mut Ui, model: &Model) {
         false => used,
     };
     for text in overdue(instruments, clock::now()) {
-        verdict(ui, Verdict::Doubtful, &text);
+        ui.doubtful(&text);
     }
     if robot.laser.is_none() {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "This robot has no laser distance sensor. Without it the height of the platform and the size of the frame \
-             are poorly determined. Mount one and add it to the robot description, or expect large standard deviations.",
-        );
+        ui.doubtful("This robot has no laser distance sensor. Without it the height of the platform and the size of the frame \
+             are poorly determined. Mount one and add it to the robot description, or expect large standard deviations.");
     }
     if !robot.has_force_sensors() {
-        verdict(
-            ui,
-            Verdict::Doubtful,
+        ui.doubtful(
             "This robot has no force sensors: elongation and sag of the cables are not corrected.",
         );
     }
     if let Some(problem) = no_home(open) {
-        verdict(ui, Verdict::Bad, &problem.text);
+        ui.bad(&problem.text);
     }
 }
 
 fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    section(ui, "Poses to measure");
+    ui.section("Poses to measure");
     until::settings(ui, model, &mut panel.until, outbox);
-    if model
-        .open
-        .as_ref()
-        .is_some_and(OpenSession::decides_on_poses)
-    {
+    let open = model.open.as_ref();
+    if open.is_some_and(OpenSession::decides_on_poses) {
         return;
     }
     let planning = model.tasks.runs(PLANNING);
@@ -172,10 +152,7 @@ fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox)
         if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import plan…", free).clicked() {
             outbox.send(FileCommand::AskOpen);
         }
-        let planned = model
-            .open
-            .as_ref()
-            .is_some_and(|d| !d.session().plan.is_empty());
+        let planned = open.is_some_and(|open| !open.session().plan.is_empty());
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export plan…", planned).clicked() {
             outbox.send(RobotCommand::AskExport(Export::Plan));
         }

@@ -6,7 +6,7 @@ use tautline_core::simulation::TensionRange;
 use super::name_of;
 use crate::model::Model;
 use crate::theme::{self, GRID};
-use crate::widgets::{muted, section, value};
+use crate::widgets::UiExt;
 use tautline_workflow::wording::cable_label;
 use tautline_workflow::wording::units::fixed;
 
@@ -20,7 +20,7 @@ const FULL: f64 = 0.85;
 pub(in crate::screens) fn position(ui: &mut Ui, model: &Model) {
     if let Some(pose) = model.link.live().pose {
         let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
-        value(ui, "Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
+        ui.value("Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
     }
 }
 
@@ -40,21 +40,18 @@ pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     if read.is_empty() {
         return;
     }
-    section(ui, "Tensions");
+    ui.section("Tensions");
     for (k, tension_n) in read {
-        bar(ui, (k, name_of(model, k)), tension_n, range);
+        bar(ui, k, name_of(model, k), tension_n, range);
     }
-    muted(
-        ui,
-        &format!(
-            "Allowed: {} to {} N (marks).",
-            fixed(range.lower_n, 0),
-            fixed(range.upper_n, 0)
-        ),
-    );
+    ui.muted(&format!(
+        "Allowed: {} to {} N (marks).",
+        fixed(range.lower_n, 0),
+        fixed(range.upper_n, 0)
+    ));
 }
 
-fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {
+fn bar(ui: &mut Ui, cable: usize, name: &str, tension_n: f64, range: TensionRange) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -78,20 +75,11 @@ fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: Tension
     let painter = ui.painter();
     let label = cable_label(cable, name);
     let middle = rect.center().y;
-    painter.text(
-        rect.left_center(),
-        Align2::LEFT_CENTER,
-        label,
-        font.clone(),
-        palette.text,
-    );
-    painter.text(
-        rect.right_center(),
-        Align2::RIGHT_CENTER,
-        words,
-        font,
-        colour,
-    );
+    let text = |at: egui::Pos2, align: Align2, text: String, colour| {
+        painter.text(at, align, text, font.clone(), colour);
+    };
+    text(rect.left_center(), Align2::LEFT_CENTER, label, palette.text);
+    text(rect.right_center(), Align2::RIGHT_CENTER, words, colour);
     let left = rect.left() + 18.0 * GRID;
     let width = (rect.right() - 28.0 * GRID - left).max(8.0 * GRID);
     let x = |tension_n: f64| {

@@ -11,7 +11,7 @@ use crate::model::command::EXPECTING;
 use crate::model::{Model, Selection};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Verdict, fault_window, muted, value, verdict};
+use crate::widgets::{UiExt, Verdict, fault_button, fault_window};
 use tautline_workflow::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
@@ -24,25 +24,20 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     let session = open.session();
     if session.plan.is_empty() {
         if session.measurements.is_empty() {
-            muted(
-                ui,
-                "No poses are planned yet. A plan predicts how accurately the pulleys will be identified.",
-            );
+            ui.muted("No poses are planned yet. A plan predicts how accurately the pulleys will be identified.");
         }
         return;
     }
     let outlook = match model.outlook.as_ref().map(|outlook| &outlook.result) {
         Some(Ok(outlook)) => outlook,
         Some(Err(why)) => {
-            let text = format!("The accuracy of this plan cannot be predicted: {why}.");
-            verdict(ui, Verdict::Neutral, &text);
+            ui.neutral(&format!(
+                "The accuracy of this plan cannot be predicted: {why}."
+            ));
             return;
         }
         None if model.tasks.runs(EXPECTING) => {
-            ui.horizontal(|ui| {
-                ui.spinner();
-                muted(ui, "Predicting the accuracy of this plan.");
-            });
+            ui.busy("Predicting the accuracy of this plan.");
             return;
         }
         None => return,
@@ -55,16 +50,16 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         Some(_) => Verdict::Neutral,
         None => Verdict::Doubtful,
     };
-    verdict(ui, kind, &words);
+    ui.verdict(kind, &words);
     let unchecked = session.robot.unchecked_tensions().map(str::to_owned);
     for sentence in unchecked.into_iter().chain(outlook.home.sentence()) {
-        muted(ui, &sentence);
+        ui.muted(&sentence);
     }
     if let Some(table) = &outlook.isolability {
         faults(ui, table, &mut panel.shows_faults);
     }
     goal(ui, &mut panel.goal_mm);
-    course(ui, outlook, (done, panel.goal_mm));
+    course(ui, outlook, done, panel.goal_mm);
     enough(ui, outlook, panel.goal_mm, done);
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
 }
@@ -72,27 +67,13 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
 /// Summary of the detectable faults, and their matrix in a separate window.
 fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     ui.horizontal(|ui| {
-        let name = if *is_shown {
-            "Hide faults"
-        } else {
-            "Show faults"
-        };
-        let button = ui.button(name);
-        if button.on_hover_text(table.summary()).clicked() {
-            *is_shown = !*is_shown;
-        }
-        let seen = table
-            .kinds
-            .iter()
-            .filter(|kind| kind.detection[0] >= SEEN)
-            .count();
-        muted(
-            ui,
-            &format!(
-                "{seen} of {} kinds of fault would be seen",
-                table.kinds.len()
-            ),
-        );
+        fault_button(ui, is_shown).on_hover_text(table.summary());
+        let seen = table.kinds.iter().filter(|kind| kind.detection[0] >= SEEN);
+        let seen = seen.count();
+        ui.muted(&format!(
+            "{seen} of {} kinds of fault would be seen",
+            table.kinds.len()
+        ));
     });
     fault_window(ui, table, is_shown);
 }
@@ -141,8 +122,8 @@ fn goal(ui: &mut Ui, goal_mm: &mut f64) {
 const MARKED: usize = 60;
 
 /// Predicted standard deviation over the number of poses: for the whole plan, and for the poses measured so far.
-fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
-    let figure = course_figure(&outlook.after_m, (done, goal_mm));
+fn course(ui: &mut Ui, outlook: &PlanSummary, done: usize, goal_mm: f64) {
+    let figure = course_figure(&outlook.after_m, done, goal_mm);
     if figure.curves.iter().all(|curve| curve.points.len() < 2) {
         return;
     }
@@ -150,7 +131,7 @@ fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
     small::show(ui, name, &figure, 34.0 * GRID, Selection::default());
 }
 
-fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figure {
+fn course_figure(after_m: &[Option<f64>], done: usize, goal_mm: f64) -> Figure {
     let known = after_m.iter().enumerate();
     let known = known.filter_map(|(poses, sd_m)| Some((poses, sd_m.filter(|sd| *sd > 0.0)?)));
     let known: Vec<(usize, f64)> = known
@@ -201,12 +182,11 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
         .filter(|_| done > 0 && done < all)
     {
         if sd_mm <= goal_mm {
-            let text = format!(
+            ui.good(&format!(
                 "Goal reached: after {done} poses the standard deviation is {sd_mm:.2} mm. You may stop here."
-            );
-            verdict(ui, Verdict::Good, &text);
+            ));
         } else {
-            muted(ui, &format!("After {done} of {all} poses: {sd_mm:.2} mm."));
+            ui.muted(&format!("After {done} of {all} poses: {sd_mm:.2} mm."));
         }
     }
 }
@@ -216,8 +196,8 @@ type Criterion = fn(&DesignCriteria) -> Option<f64>;
 
 fn details(ui: &mut Ui, outlook: &PlanSummary) {
     let travel = format!("{:.1}", outlook.travel_m);
-    value(ui, "Travel distance", &travel, "m");
-    muted(ui, "These poses / the same number of random poses:");
+    ui.value("Travel distance", &travel, "m");
+    ui.muted("These poses / the same number of random poses:");
     let metres: [(&str, Criterion); 3] = [
         ("A-optimality: mean of the coordinates", |c| c.mean_m),
         ("E-optimality: worst direction", |c| c.worst_m),
@@ -230,11 +210,11 @@ fn details(ui: &mut Ui, outlook: &PlanSummary) {
             let undetermined = || "undetermined".to_owned();
             of(criteria).map_or_else(undetermined, |m| format!("{:.2}", m * 1e3))
         });
-        value(ui, name, &format!("{planned} / {random}"), "mm");
+        ui.value(name, &format!("{planned} / {random}"), "mm");
     }
     let [planned, random] = [&outlook.expected, &outlook.random].map(|criteria| criteria.log_det);
     let name = "D-optimality: log determinant of the information";
-    value(ui, name, &format!("{planned:.1} / {random:.1}"), "");
+    ui.value(name, &format!("{planned:.1} / {random:.1}"), "");
 }
 
 #[cfg(test)]
@@ -245,7 +225,7 @@ mod tests {
     fn the_measured_part_of_the_curve_grows_with_the_poses() {
         let after_m = [None, Some(8e-3), Some(4e-3), Some(2e-3), Some(1e-3)];
         for done in 0..=4 {
-            let figure = course_figure(&after_m, (done, 2.0));
+            let figure = course_figure(&after_m, done, 2.0);
             assert_eq!(figure.series[0].points().len(), done);
             assert_eq!(figure.curves[0].points.len(), 4);
             assert_eq!(
@@ -254,7 +234,7 @@ mod tests {
             );
         }
         let many: Vec<_> = (1..=10_000).map(|k| Some(1.0 / f64::from(k))).collect();
-        let figure = course_figure(&many, (7001, 2.0));
+        let figure = course_figure(&many, 7001, 2.0);
         let [points, line] = [
             figure.series[0].points().len(),
             figure.curves[0].points.len(),
@@ -265,7 +245,7 @@ mod tests {
         );
         assert_eq!(figure.series[0].points().last().map(|p| p.x), Some(7001.0));
         assert_eq!(figure.curves[0].points.last().map(|p| p[0]), Some(9999.0));
-        let all = course_figure(&after_m, (4, 2.0));
+        let all = course_figure(&after_m, 4, 2.0);
         let last = all.series[0].points()[3];
         assert!(
             (last.x - 4.0).abs() + last.y.abs() < 1e-12,

@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, TableColumn, checkbox, muted, table};
+use crate::widgets::{Cell, TableColumn, UiExt, checkbox, table};
 use tautline_workflow::wording::cable_label;
 use tautline_workflow::wording::units::fixed;
 
@@ -59,7 +59,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         return;
     }
     let Some(sample) = model.link.live().sample else {
-        muted(ui, "No readings yet.");
+        ui.muted("No readings yet.");
         return;
     };
     let palette = theme::of(ui);
@@ -79,11 +79,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.horizontal(|ui| {
-        muted(ui, "Laser");
+        ui.muted("Laser");
         match sample.laser_m {
             Some(laser_m) => {
                 ui.label(format!("{:.2}", laser_m * 1e3));
-                muted(ui, "mm");
+                ui.muted("mm");
             }
             None => {
                 ui.colored_label(theme::of(ui).warning, "no distance");
@@ -97,27 +97,13 @@ pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
     let Some(rates) = rates else {
         return;
     };
-    let channels = [
-        (
-            "Lengths",
-            rates.length_m_per_s * 1e3,
-            limits.length_m_per_s * 1e3,
-            "mm/s",
-        ),
-        (
-            "Tensions",
-            rates.tension_n_per_s,
-            limits.tension_n_per_s,
-            "N/s",
-        ),
-        (
-            "Laser",
-            rates.laser_m_per_s * 1e3,
-            limits.laser_m_per_s * 1e3,
-            "mm/s",
-        ),
+    let channels: [(&str, &str, f64, fn(&Rates) -> f64); 3] = [
+        ("Lengths", "mm/s", 1e3, |rates| rates.length_m_per_s),
+        ("Tensions", "N/s", 1.0, |rates| rates.tension_n_per_s),
+        ("Laser", "mm/s", 1e3, |rates| rates.laser_m_per_s),
     ];
-    for (name, rate, limit, unit) in channels {
+    for (name, unit, per_si, of) in channels {
+        let [rate, limit] = [rates, limits].map(|rates| of(&rates) * per_si);
         if limit <= 0.0 {
             continue;
         }
@@ -132,7 +118,7 @@ pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
             };
             ui.colored_label(colour, words);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                muted(ui, &format!("of {limit:.2} {unit}"));
+                ui.muted(&format!("of {limit:.2} {unit}"));
                 ui.label(format!("{rate:.2}"));
             });
         });

@@ -13,7 +13,7 @@ use crate::model::link::{RunLog, RunStep};
 use crate::model::messages::full_sentence;
 use crate::model::next_step::failed_save;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use crate::widgets::{UiExt, Verdict, icon_button};
 use tautline_workflow::identification::RESIDUAL;
 use tautline_workflow::wording::count_are;
 use tautline_workflow::wording::units::signed;
@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     {
         return;
     }
-    section(ui, "Measuring run");
+    ui.section("Measuring run");
     if model.link.is_measuring() {
         buttons(ui, model, outbox);
         progress(ui, model, panel, outbox);
@@ -57,17 +57,17 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
                 outbox.send(RobotCommand::Start);
             }
             if !model.link.is_armed() {
-                muted(ui, "Connect and arm the controller first.");
+                ui.muted("Connect and arm the controller first.");
             } else if let Some(why) = undecidable {
-                muted(ui, why);
+                ui.muted(why);
             } else if begun && !until.enabled {
-                muted(
-                    ui,
-                    &format!("{} not measured yet.", count_are(missing, "planned pose")),
-                );
+                ui.muted(&format!(
+                    "{} not measured yet.",
+                    count_are(missing, "planned pose")
+                ));
             }
         } else if begun {
-            verdict(ui, Verdict::Good, "All planned poses are measured.");
+            ui.good("All planned poses are measured.");
         }
     }
     pending(ui, model, outbox);
@@ -112,32 +112,24 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         if skip.clicked() {
             outbox.send(LinkRequest::Skip);
         }
-        let last = model.link.run.as_ref().and_then(|run| run.last_measured());
+        let last = run.last_measured();
         let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());
         if let Some(label) = last.filter(|_| repeat.clicked()) {
             outbox.send(RobotCommand::Repeat(label));
         }
     });
-    if let Some(reason) = model
-        .link
-        .run
-        .as_ref()
-        .and_then(|run| run.paused.as_deref())
-    {
+    if let Some(reason) = &run.paused {
         let kind = if reason.contains("operator") {
             Verdict::Neutral
         } else {
             Verdict::Doubtful
         };
-        verdict(ui, kind, &full_sentence(&format!("Waiting: {reason}")));
+        ui.verdict(kind, &full_sentence(&format!("Waiting: {reason}")));
         if reason.contains("laser") {
-            muted(
-                ui,
-                "Clear the beam path and clean the target, then resume: the pose is approached again. Or skip it.",
-            );
+            ui.muted("Clear the beam path and clean the target, then resume: the pose is approached again. Or skip it.");
         }
     } else if current.is_none() && run.until.is_none() {
-        muted(ui, "Starting.");
+        ui.muted("Starting.");
     }
 }
 
@@ -164,7 +156,7 @@ fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(problem) = failed_save(model) else {
         return;
     };
-    verdict(ui, Verdict::Bad, &problem.text);
+    ui.bad(&problem.text);
     if ui.button("Retry save").clicked() {
         outbox.send(RobotCommand::RetrySave);
     }
@@ -178,12 +170,11 @@ fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
         true => "Further measurements form a new series.",
         false => "The run can be continued.",
     };
-    let text = format!(
+    ui.doubtful(&format!(
         "The run ended after {}: {} Measured poses are kept. {next}",
         run.measured_in_words(),
         full_sentence(why)
-    );
-    verdict(ui, Verdict::Doubtful, &text);
+    ));
     if run.restarted && ui.button("Begin a new series").clicked() {
         outbox.send(FileCommand::NewSeries(Vec::new()));
     }
@@ -194,8 +185,8 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
     }
-    section(ui, "Last poses");
-    muted(ui, &format!("{RESIDUAL}:"));
+    ui.section("Last poses");
+    ui.muted(&format!("{RESIDUAL}:"));
     for surprise in run.surprises.iter().rev().take(LISTED) {
         let lengths = surprise.lengths_m.iter().enumerate();
         let worst = lengths
@@ -208,15 +199,15 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
             };
             ui.label(place);
             if let Some((cable, off_m)) = worst {
-                muted(ui, "length");
+                ui.muted("length");
                 ui.label(signed(off_m * 1e3, 1));
-                muted(ui, "mm on");
+                ui.muted("mm on");
                 readings::cable_mark(ui, cable, name_of(model, cable));
             }
             if let Some(laser_m) = surprise.laser_m {
-                muted(ui, "laser");
+                ui.muted("laser");
                 ui.label(signed(laser_m * 1e3, 1));
-                muted(ui, "mm");
+                ui.muted("mm");
             }
         });
     }
@@ -248,7 +239,7 @@ fn warnings(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
                             {
                                 chosen = Some(cable);
                             }
-                            ui.add(egui::Label::new(&warning.text).wrap());
+                            ui.wrapped(&warning.text);
                         });
                     }
                 });

@@ -11,7 +11,7 @@ use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{icon_button, muted, section};
+use crate::widgets::{UiExt, icon_button};
 use tautline_workflow::wording::units::fixed;
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     if rows.is_empty() {
         return;
     }
-    section(ui, "Poses");
+    ui.section("Poses");
     let run = model.link.run.as_ref();
     let shown = TableState {
         selected: model.selection.pose,
@@ -44,7 +44,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     match selected {
         Some(row) => actions(ui, model, outbox, row),
         None => {
-            muted(ui, "Select a pose to exclude, repeat or remove it.");
+            ui.muted("Select a pose to exclude, repeat or remove it.");
         }
     }
 }
@@ -96,7 +96,7 @@ fn table(ui: &mut Ui, rows: &[PoseRow], shown: &TableState<'_>) -> Option<i64> {
                 "State",
             ] {
                 header.col(|ui| {
-                    muted(ui, head);
+                    ui.muted(head);
                 });
             }
         })
@@ -147,15 +147,9 @@ fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
 
 /// Label of a pose, as a link; returns whether it was clicked.
 fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
-    let text = if label == 0 {
-        "Home".to_owned()
-    } else {
-        label.to_string()
-    };
-    let name = if label == 0 {
-        "Home pose".to_owned()
-    } else {
-        format!("Pose {label}")
+    let (text, name) = match label {
+        0 => ("Home".to_owned(), "Home pose".to_owned()),
+        _ => (label.to_string(), format!("Pose {label}")),
     };
     let response = ui.add(egui::Button::selectable(selected, text));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, selected, &name));
@@ -196,10 +190,7 @@ fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: PoseRow) {
             }
         }
         PoseStatus::Measured | PoseStatus::Repeat if label == 0 => {
-            muted(
-                ui,
-                "The home pose cannot be excluded: revolutions are counted from it.",
-            );
+            ui.muted("The home pose cannot be excluded: revolutions are counted from it.");
         }
         PoseStatus::Measured | PoseStatus::Repeat => {
             let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Exclude pose", true);

@@ -1,6 +1,6 @@
 //! Measuring until goals are reached: the goals, and the assessment after each pose.
 
-use egui::{Label, Ui};
+use egui::Ui;
 use tautline_core::sequential::{Assessment, FIRST_POSES, Goal};
 use tautline_session::UntilSettings;
 use tautline_workflow::sequential::{SequentialRun, UntilDocument};
@@ -11,9 +11,7 @@ use crate::model::edit::Edit;
 use crate::model::link::RunLog;
 use crate::model::{Memo, Model};
 use crate::theme::{self, GRID};
-use crate::widgets::{
-    Entered, Number, Verdict, checkbox, meter, muted, number_checked, section, verdict,
-};
+use crate::widgets::{Entered, Number, UiExt, Verdict, checkbox, meter, number_checked};
 
 /// State between frames.
 #[derive(Debug)]
@@ -105,13 +103,10 @@ pub(super) fn settings(ui: &mut Ui, model: &Model, state: &mut UntilState, outbo
         return;
     }
     match model.undecidable() {
-        Some(why) => verdict(ui, Verdict::Doubtful, why),
+        Some(why) => ui.doubtful(why),
         None => {
-            muted(
-                ui,
-                "Every pose is chosen by what the poses before have told. The run ends when all goals are reached, when no pose \
-                 would help, or at the largest number.",
-            );
+            ui.muted("Every pose is chosen by what the poses before have told. The run ends when all goals are reached, when no pose \
+                 would help, or at the largest number.");
         }
     }
 }
@@ -135,17 +130,11 @@ fn goals(ui: &mut Ui, state: &mut UntilState, until: &mut UntilSettings, outbox:
         } = entry(*offered);
         ui.horizontal(|ui| {
             checkbox(ui, &mut is_asked, text);
-            let field = Number {
-                name,
-                value: Some(scale * amount(*offered)),
-                decimals: match offered {
-                    Goal::Accuracy(_) => 2,
-                    Goal::Cause(_) | Goal::FaultFree(_) => 0,
-                },
-                unit,
-                optional: false,
-                width: 48.0,
+            let decimals = match offered {
+                Goal::Accuracy(_) => 2,
+                Goal::Cause(_) | Goal::FaultFree(_) => 0,
             };
+            let field = Number::of(name, scale * amount(*offered), decimals, unit, 48.0);
             let with = |typed: f64| format!("{}={typed}{unit}", offered.name()).parse::<Goal>();
             let check = |typed: f64| match (with(typed), *offered) {
                 (Ok(_), _) => Ok(()),
@@ -198,7 +187,7 @@ pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
     let Some(until) = &run.until else {
         return;
     };
-    section(ui, "What is known");
+    ui.section("Result so far");
     let key = (open.id(), open.revision(), until.end());
     let robot = &open.session().robot;
     let document = state.known.get(key, || until.document(robot));
@@ -209,12 +198,9 @@ pub(super) fn known(ui: &mut Ui, model: &Model, state: &mut UntilState) {
             causes(ui, document);
         }
         None if !run.has_ended() => {
-            muted(
-                ui,
-                &format!(
+            ui.muted(&format!(
                     "The first {FIRST_POSES} poses determine the geometry; then each is chosen by what is known."
-                ),
-            );
+                ));
         }
         None => {}
     }
@@ -230,35 +216,26 @@ fn reached(ui: &mut Ui, until: &SequentialRun, known: &Assessment) {
             false => palette.accent,
         };
         let percent = |probability: f64| format!("{:.0} %", 100.0 * probability);
-        let (what, now, share, mark) = match goal {
+        let probability = |text: &str, goal: f64, now: f64| {
+            let what = format!("{text}, goal {}", percent(goal));
+            (what, percent(now), now, Some(goal))
+        };
+        let (what, now, share, mark) = match *goal {
             Goal::Accuracy(limit_m) => {
                 let sd_m = known.largest_sd_m;
                 let mm = |length_m: f64| format!("{} mm", units::mm(length_m, 2));
+                let what = format!("Accuracy of the pulleys, goal {}", mm(limit_m));
                 let now = sd_m.map_or_else(|| "not determined yet".to_owned(), mm);
                 let share = sd_m.map_or(0.0, |sd_m| limit_m / sd_m);
-                (
-                    format!("Accuracy of the pulleys, goal {}", mm(*limit_m)),
-                    now,
-                    share,
-                    None,
-                )
+                (what, now, share, None)
             }
-            Goal::Cause(goal) => {
-                let what = format!("The cause is found, goal {}", percent(*goal));
-                (what, percent(known.explained), known.explained, Some(*goal))
-            }
+            Goal::Cause(goal) => probability("The cause is found", goal, known.explained),
             Goal::FaultFree(goal) => {
-                let what = format!("The robot is free of faults, goal {}", percent(*goal));
-                (
-                    what,
-                    percent(known.fault_free()),
-                    known.fault_free(),
-                    Some(*goal),
-                )
+                probability("The robot is free of faults", goal, known.fault_free())
             }
         };
         row(ui, &what, &now);
-        meter(ui, &format!("{what}: {now}"), (share, colour), mark);
+        meter(ui, &format!("{what}: {now}"), share, colour, mark);
     }
 }
 
@@ -268,16 +245,14 @@ fn causes(ui: &mut Ui, document: &UntilDocument) {
         return;
     }
     ui.add_space(GRID);
-    muted(ui, "Still possible:");
+    ui.muted("Still possible:");
     let palette = theme::of(ui);
     for set in &document.sets {
-        let (what, now) = (
-            sentence(&set.causes),
-            format!("{:.0} %", 100.0 * set.probability),
-        );
+        let what = sentence(&set.causes);
+        let now = format!("{:.0} %", 100.0 * set.probability);
         row(ui, &what, &now);
         let name = format!("Probability of {}: {now}", set.causes);
-        meter(ui, &name, (set.probability, palette.muted), None);
+        meter(ui, &name, set.probability, palette.muted, None);
     }
 }
 
@@ -286,7 +261,7 @@ fn row(ui: &mut Ui, name: &str, number: &str) {
     ui.add_space(0.5 * GRID);
     ui.horizontal_top(|ui| {
         let width = ui.available_width() - 22.0 * GRID;
-        ui.allocate_ui(egui::vec2(width, 0.0), |ui| ui.add(Label::new(name).wrap()));
+        ui.allocate_ui(egui::vec2(width, 0.0), |ui| ui.wrapped(name));
         let right = egui::Layout::right_to_left(egui::Align::Min);
         ui.with_layout(right, |ui| ui.label(number));
     });
@@ -301,9 +276,9 @@ fn why(ui: &mut Ui, run: &RunLog, until: &SequentialRun, document: &UntilDocumen
         };
         let poses = until.assessment().map_or(0, |known| known.poses);
         let poses = tautline_workflow::wording::count(poses, "pose");
-        verdict(ui, kind, &format!("{} after {poses}.", sentence(end)));
+        ui.verdict(kind, &format!("{} after {poses}.", sentence(end)));
         for help in &document.help {
-            verdict(ui, Verdict::Neutral, help);
+            ui.neutral(help);
         }
         return;
     }
@@ -312,6 +287,6 @@ fn why(ui: &mut Ui, run: &RunLog, until: &SequentialRun, document: &UntilDocumen
         return;
     }
     if let Some(chosen) = until.poses().last() {
-        ui.add(Label::new(format!("Pose {} {}.", chosen.pose, chosen.reason)).wrap());
+        ui.wrapped(format!("Pose {} {}.", chosen.pose, chosen.reason));
     }
 }

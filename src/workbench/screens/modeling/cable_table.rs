@@ -219,7 +219,8 @@ impl CableTable {
     /// right and below it. Returns the number of cells; nothing changes if one is invalid.
     pub(crate) fn paste(
         &mut self,
-        (row, column): (usize, usize),
+        row: usize,
+        column: usize,
         text: &str,
         may_lack: bool,
     ) -> Result<usize, String> {
@@ -367,7 +368,7 @@ mod tests {
     fn a_block_of_a_spreadsheet_fills_cells_to_the_right_and_below() {
         let robot = presets::find("mini").expect("a preset").robot;
         let mut table = CableTable::of(&robot);
-        let done = table.paste((2, 1), "-360,5\t12\r\n1.25e2\t\u{2212}7\r\n", false);
+        let done = table.paste(2, 1, "-360,5\t12\r\n1.25e2\t\u{2212}7\r\n", false);
         assert_eq!(done, Ok(4));
         assert_eq!(table.cells[2][1..3], [Some(-360.5), Some(12.0)]);
         assert_eq!(table.cells[3][1..3], [Some(125.0), Some(-7.0)]);
@@ -379,7 +380,7 @@ mod tests {
             expected.cables[k].pulley.entry_point_m[1..].copy_from_slice(&entry[1..]);
         }
         assert_eq!(changed, expected, "what was not pasted keeps its digits");
-        assert_eq!(table.paste((0, 0), "1;2,5;3", false), Ok(3));
+        assert_eq!(table.paste(0, 0, "1;2,5;3", false), Ok(3));
         assert_eq!(table.cells[0][1], Some(2.5));
     }
 
@@ -388,7 +389,7 @@ mod tests {
         let mut table = CableTable::of(&presets::find("mini").expect("a preset").robot);
         let before = table.clone();
         let message = table
-            .paste((1, 0), "1\t2\n3\tabc\n\t5", false)
+            .paste(1, 0, "1\t2\n3\tabc\n\t5", false)
             .expect_err("a word and an empty cell");
         for part in [
             "row 2, column 2 (Pulley y of cable-3): found \"abc\"",
@@ -396,7 +397,7 @@ mod tests {
         ] {
             assert!(message.contains(part), "{message}");
         }
-        let message = table.paste((7, 0), "1\n2", false).expect_err("no room");
+        let message = table.paste(7, 0, "1\n2", false).expect_err("no room");
         assert!(
             message.contains("2 rows and 1 column; from Pulley x of cable-8"),
             "{message}"

@@ -7,10 +7,7 @@ use tautline_session::{ElongationPoint, PhaseData};
 use crate::screens::bench_panel::{Bench, TableInput, or_dash};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{
-    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
-    value, verdict,
-};
+use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, table};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::precalibration::{ElongationFit, Table};
 use tautline_workflow::wording::units::signed;
@@ -40,19 +37,16 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     match &calibration.elongation {
         None => {
             let now = now(bench);
-            muted(
-                ui,
-                &format!(
+            ui.muted(&format!(
                     "The measured elongation appears here. Until then {now}. Load cables of several lengths with several tensions, and import the table or type it below."
-                ),
-            );
+                ));
         }
-        Some(Err(message)) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+        Some(Err(message)) => ui.bad(&format!("{message}.")),
         Some(Ok(fit)) => {
             judge(ui, fit);
             degrees(ui, fit);
             let now = now(bench);
-            muted(ui, &format!("At present {now}."));
+            ui.muted(&format!("At present {now}."));
             let proposal = &calibration.with_elongation;
             bench.propose(ui, proposal, "Apply surface", "apply measured elongation");
             slices(ui, bench, &fit.choice.surface);
@@ -83,12 +77,11 @@ fn now(bench: &Bench<'_>) -> String {
 fn judge(ui: &mut Ui, fit: &ElongationFit) {
     let surface = &fit.choice.surface;
     let worst = fit.largest_residual_m * 1e3;
-    let text = format!(
+    ui.good(&format!(
         "A surface of degree {} fits all {} points within {worst:.3} mm.",
         surface.degree,
         fit.residuals_m.len()
-    );
-    verdict(ui, Verdict::Good, &text);
+    ));
     let span = |centre: f64, scale: f64, decimals: usize| {
         let (low, high) = (centre - scale, centre + scale);
         format!("{low:.decimals$} to {high:.decimals$}")
@@ -99,14 +92,14 @@ fn judge(ui: &mut Ui, fit: &ElongationFit) {
         0,
     );
     let tensions = span(surface.tension_center_n, surface.tension_scale_n, 1);
-    value(ui, "Valid for lengths", &lengths, "mm");
-    value(ui, "Valid for tensions", &tensions, "N");
+    ui.value("Valid for lengths", &lengths, "mm");
+    ui.value("Valid for tensions", &tensions, "N");
     let spread = format!("{:.4}", surface.residual_sd_m * 1e3);
-    value(ui, "Standard deviation of residuals", &spread, "mm");
+    ui.value("Standard deviation of residuals", &spread, "mm");
 }
 
 fn degrees(ui: &mut Ui, fit: &ElongationFit) {
-    section(ui, "Degree, by cross-validation");
+    ui.section("Degree, by cross-validation");
     let columns = [
         TableColumn::words("Degree"),
         TableColumn::number("Coefficients", ""),
@@ -136,14 +129,11 @@ fn degrees(ui: &mut Ui, fit: &ElongationFit) {
         .collect();
     let selected = rows.len().min(chosen).checked_sub(1);
     table(ui, &columns, &rows, selected);
-    muted(
-        ui,
-        "The lowest degree whose error is not significantly above the minimum is chosen.",
-    );
+    ui.muted("The lowest degree whose error is not significantly above the minimum is chosen.");
 }
 
 fn slices(ui: &mut Ui, bench: &Bench<'_>, surface: &ElongationSurface) {
-    section(ui, "Slices at four measured lengths");
+    ui.section("Slices at four measured lengths");
     let spread = |k: usize, count: usize, centre: f64, scale: f64| {
         centre + scale * (2.0 * k as f64 / (count - 1) as f64 - 1.0)
     };
@@ -189,7 +179,7 @@ fn slices(ui: &mut Ui, bench: &Bench<'_>, surface: &ElongationSurface) {
 }
 
 fn residuals(ui: &mut Ui, bench: &Bench<'_>, fit: &ElongationFit) {
-    section(ui, "Residuals");
+    ui.section("Residuals");
     let surface = &fit.choice.surface;
     let points = bench.session().phases.elongation.iter();
     let points = points
@@ -221,14 +211,11 @@ fn residuals(ui: &mut Ui, bench: &Bench<'_>, fit: &ElongationFit) {
         152.0,
         bench.selection,
     );
-    muted(
-        ui,
-        "The band is three standard deviations about the surface.",
-    );
+    ui.muted("The band is three standard deviations about the surface.");
 }
 
 fn points(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
-    section(ui, "Measured points");
+    ui.section("Measured points");
     let points = &bench.session().phases.elongation;
     let numbers: Vec<Numbers> = points.iter().map(numbers).collect();
     let fit = bench.calibration.elongation.as_ref();
@@ -245,9 +232,7 @@ fn points(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         remarks: ("Residual", "mm"),
         remark: &remarks,
     };
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("point", edit, change);
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, change);
 }
 
 fn numbers(point: &ElongationPoint) -> Numbers {

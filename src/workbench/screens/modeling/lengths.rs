@@ -10,7 +10,7 @@ use tautline_core::robot::Robot;
 use super::pose;
 use crate::screens::bench_panel::{Bench, or_dash};
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Cell, TableColumn, Verdict, muted, table, verdict};
+use crate::widgets::{Cell, TableColumn, UiExt, table};
 
 /// Height of a bar (points).
 const BAR: f32 = 3.0 * GRID;
@@ -19,34 +19,27 @@ const LEAST: f32 = 3.0;
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(shown) = pose::shown(bench) else {
-        muted(
-            ui,
-            "Select a pose to see its cable lengths: this robot has no home pose.",
-        );
+        ui.muted("Select a pose to see its cable lengths: this robot has no home pose.");
         return;
     };
     let shares = match shares(bench.robot(), &shown.pose, shown.tensions_n.as_deref()) {
         Ok(shares) => shares,
-        Err(error) => return verdict(ui, Verdict::Bad, &format!("{error}.")),
+        Err(error) => return ui.bad(&format!("{error}.")),
     };
-    muted(
-        ui,
-        &format!(
-            "Cable length beyond the pulley's entry point, at {}. Select a pose to see others.",
-            shown.name
-        ),
-    );
+    ui.muted(&format!(
+        "Cable length beyond the pulley's entry point, at {}. Select a pose to see others.",
+        shown.name
+    ));
     legend(ui);
     let longest = shares.iter().map(total).fold(1e-9, f64::max);
     for (cable, share) in shares.iter().enumerate() {
         bar(ui, bench, cable, share, longest);
     }
-    muted(
-        ui,
+    ui.muted(
         "Bars are at least 3 pixels wide. Elongation is that of the whole cable from the drum on.",
     );
     for reason in reasons(&shares) {
-        verdict(ui, Verdict::Neutral, &format!("{reason}."));
+        ui.neutral(&format!("{reason}."));
     }
     numbers(ui, bench, &shares);
 }

@@ -20,7 +20,7 @@ use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum PanelPart {
+pub enum PanelPart {
     #[default]
     Elongation,
     Pulleys,
@@ -32,23 +32,11 @@ enum PanelPart {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    part: PanelPart,
+    pub part: PanelPart,
     elongation: TableInput,
     focused: description::cables::FocusedCell,
     identity: description::identity::Drafts,
     tolerances: tolerances::PanelState,
-}
-
-impl PanelState {
-    /// Opens the part Elongation.
-    pub fn show_elongation(&mut self) {
-        self.part = PanelPart::Elongation;
-    }
-
-    /// Opens the part Description.
-    pub fn show_description(&mut self) {
-        self.part = PanelPart::Description;
-    }
 }
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -84,8 +72,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         PanelPart::Pulleys => pulleys::show(ui, &mut bench),
         PanelPart::Lengths => lengths::show(ui, &mut bench),
         PanelPart::Description => {
-            let drafts = (&mut panel.focused, &mut panel.identity);
-            description::show(ui, &mut bench, drafts);
+            description::show(ui, &mut bench, &mut panel.focused, &mut panel.identity);
         }
         PanelPart::Tolerances => tolerances::show(ui, &mut bench, &mut panel.tolerances),
     }

@@ -7,7 +7,7 @@ use super::description::cables::{self, FocusedCell};
 use crate::model::command::{Command, FileCommand, Outbox, ViewCommand};
 use crate::model::phase::Screen;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, heading, muted, primary, section, verdict};
+use crate::widgets::{UiExt, primary};
 
 const MOST_CABLES: usize = 64;
 const USUAL_CABLES: usize = 8;
@@ -38,14 +38,11 @@ pub(crate) fn show(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Ou
     let frame = Frame::new().inner_margin(Margin::same(3 * GRID as i8));
     let area = ScrollArea::vertical().auto_shrink(false);
     let contents = |ui: &mut Ui| {
-        heading(ui, "New robot from an empty table");
-        muted(
-            ui,
-            "Type the numbers or paste them from a spreadsheet. Platform, home pose and instruments come afterwards, under Modeling, Description.",
-        );
+        ui.heading("New robot from an empty table");
+        ui.muted("Type the numbers or paste them from a spreadsheet. Platform, home pose and instruments come afterwards, under Modeling, Description.");
         ui.add_space(2.0 * GRID);
         name_and_count(ui, draft);
-        section(ui, "Cables");
+        ui.section("Cables");
         match cables::grid(ui, &draft.table, &mut draft.focused, true) {
             Some(Ok((table, _))) => draft.table = table,
             Some(Err(message)) => outbox.send(Command::Refuse(message)),
@@ -79,13 +76,13 @@ fn finish(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Outbox) {
     let missing = draft.table.missing();
     let has_name = !draft.name.trim().is_empty();
     if !missing.is_empty() {
-        verdict(ui, Verdict::Doubtful, "Still missing:");
+        ui.doubtful("Still missing:");
         for text in &missing {
-            muted(ui, text);
+            ui.muted(text);
         }
     }
     if !has_name {
-        verdict(ui, Verdict::Doubtful, "The robot needs a name.");
+        ui.doubtful("The robot needs a name.");
     }
     let is_complete = missing.is_empty() && has_name;
     let (used, left) = ui

@@ -8,7 +8,7 @@ use tautline_core::kinematics::CableState;
 use tautline_core::robot::Robot;
 
 use crate::theme::{self, GRID};
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 
 /// Height of the picture (points).
 const HEIGHT: f32 = 208.0;
@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     };
     let radius_mm = cable.pulley.radius_m * 1e3;
     if radius_mm <= 0.0 {
-        muted(ui, "This cable runs through an eyelet, without wrap.");
+        ui.muted("This cable runs through an eyelet, without wrap.");
         return;
     }
     let size = Vec2::new(ui.available_width(), HEIGHT);

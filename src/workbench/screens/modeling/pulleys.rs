@@ -10,9 +10,7 @@ use crate::model::command::ViewCommand;
 use crate::model::edit::Edit;
 use crate::screens::bench_panel::{Bench, or_dash};
 use crate::views::pulley_inspector;
-use crate::widgets::{
-    Cell, Entered, Number, TableColumn, Verdict, muted, number, section, table, verdict,
-};
+use crate::widgets::{Cell, Entered, Number, TableColumn, UiExt, number, table};
 use tautline_workflow::wording::units::fixed;
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
@@ -27,24 +25,20 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     match (&shown, &states) {
         (Some(shown), Some(Ok(_))) => {
             let name = &shown.name;
-            muted(
-                ui,
-                &format!("Wrap and swivel angle at {name}. Select a pose to see others."),
-            );
+            ui.muted(&format!(
+                "Wrap and swivel angle at {name}. Select a pose to see others."
+            ));
         }
-        (_, Some(Err(error))) => verdict(ui, Verdict::Bad, &format!("{error}.")),
+        (_, Some(Err(error))) => ui.bad(&format!("{error}.")),
         _ => {
-            muted(
-                ui,
-                "Wrap and swivel angle appear here once a pose is selected: this robot has no home pose.",
-            );
+            ui.muted("Wrap and swivel angle appear here once a pose is selected: this robot has no home pose.");
         }
     }
     let states = states.and_then(Result::ok);
     overview(ui, bench, chosen, states.as_deref());
-    section(ui, &format!("Pulley of {}", bench.cable_name(chosen)));
+    ui.section(&format!("Pulley of {}", bench.cable_name(chosen)));
     let name = bench.cable_name(chosen).to_owned();
-    pulley_inspector::button(ui, (chosen, &name), bench.outbox);
+    pulley_inspector::button(ui, chosen, &name, bench.outbox);
     fields(ui, bench, chosen);
     if let Some(state) = states.as_ref().and_then(|states| states.get(chosen)) {
         pulley_picture::show(ui, bench.robot(), chosen, state);

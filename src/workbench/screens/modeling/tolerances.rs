@@ -13,7 +13,7 @@ use super::description::field::{change, put};
 use crate::model::Memo;
 use crate::screens::bench_panel::Bench;
 use crate::theme::{self, GRID};
-use crate::widgets::{Entered, Number, Verdict, choice, muted, number_checked, verdict};
+use crate::widgets::{Entered, Number, UiExt, choice, number_checked};
 
 /// Widths of the columns of numbers (points).
 const TYPICAL: f32 = 14.0 * GRID;
@@ -47,29 +47,19 @@ impl Choice {
 }
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
-    muted(
-        ui,
-        "By how much sound parts deviate from the description, as standard deviations. A fault is a part outside its tolerance.",
-    );
+    ui.muted("By how much sound parts deviate from the description, as standard deviations. A fault is a part outside its tolerance.");
     choose(ui, bench);
     let session = bench.session();
     let in_readings =
         (panel.in_readings).get(bench.open.inputs(), || DeviationsInReadings::of(session));
     ui.add_space(GRID);
     match in_readings {
-        Ok(found) => muted(
-            ui,
-            &format!(
+        Ok(found) => ui.muted(&format!(
                 "In readings: by how many standard deviations of its noise a deviation of one tolerance changes the reading that it changes most, at {}.",
                 found.poses
-            ),
-        ),
+            )),
         Err(error) => {
-            verdict(
-                ui,
-                Verdict::Doubtful,
-                &format!("What deviations change in the readings cannot be computed: {error}."),
-            );
+            ui.doubtful(&format!("The effect of deviations on the readings cannot be computed: {error}."));
             return table(ui, bench, None);
         }
     };
@@ -87,14 +77,11 @@ fn choose(ui: &mut Ui, bench: &mut Bench<'_>) {
         choice(ui, &mut chosen, Choice::Stated, "Stated");
     });
     let class = class_in_words(robot);
-    muted(
-        ui,
-        &match now {
+    ui.muted(&match now {
             Choice::Exact => "Nothing is stated: an identification takes all parts as exact, so its standard deviations are too small for a real machine; a diagnosis takes typical tolerances.".to_owned(),
             Choice::Typical => format!("Those of the table, typical of {class}."),
             Choice::Stated => "Those of this machine. A part with an empty field is exact.".to_owned(),
-        },
-    );
+        });
     if let (Choice::Stated, Some(PartTolerances::Stated(stated))) = (now, &robot.tolerances) {
         factor(ui, bench, stated);
     }
@@ -151,7 +138,7 @@ fn table(ui: &mut Ui, bench: &mut Bench<'_>, in_readings: Option<&DeviationsInRe
     for part in &shown {
         let change = in_readings.map(|found| found.of_part(robot, part));
         let change = change.filter(|change| *change > 0.0);
-        row(ui, bench, part, (stated, change));
+        row(ui, bench, part, stated, change);
     }
     let kept = stated.into_iter().flat_map(|stated| stated.effects.keys());
     let kept = kept.filter(|id| shown.iter().all(|part| part.effect.id() != *id));
@@ -160,17 +147,14 @@ fn table(ui: &mut Ui, bench: &mut Bench<'_>, in_readings: Option<&DeviationsInRe
     if !kept.is_empty() {
         ui.add_space(2.0 * GRID);
         let what = list(&kept);
-        muted(
-            ui,
-            &format!("Stated in the file and kept as it is: {what}."),
-        );
+        ui.muted(&format!("Stated in the file and kept as it is: {what}."));
     }
     if !unread.is_empty() {
         ui.add_space(2.0 * GRID);
-        muted(
-            ui,
-            &format!("No reading of this robot depends on: {}.", list(&unread)),
-        );
+        ui.muted(&format!(
+            "No reading of this robot depends on: {}.",
+            list(&unread)
+        ));
     }
 }
 
@@ -181,7 +165,7 @@ fn line(ui: &mut Ui, name: RichText, numbers: impl FnOnce(&mut Ui)) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             numbers(ui);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.add(Label::new(name).wrap());
+                ui.wrapped(name);
             });
         });
     });
@@ -216,7 +200,8 @@ fn row(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
     part: &DeviatingPart,
-    (stated, change): (Option<&StatedTolerances>, Option<f64>),
+    stated: Option<&StatedTolerances>,
+    change: Option<f64>,
 ) {
     let palette = theme::of(ui);
     let (id, title) = (part.effect.id(), part.effect.title());
@@ -260,7 +245,7 @@ fn row(
     }
     if let Some(source) = part.source {
         let text = RichText::new(source).small().color(palette.muted);
-        ui.add(Label::new(text).wrap());
+        ui.wrapped(text);
     }
     ui.add_space(GRID);
 }
@@ -289,14 +274,7 @@ fn edit(
     let decimals = text
         .split_once('.')
         .map_or(0, |(_, decimals)| decimals.len());
-    let shown = Number {
-        name: field.name,
-        value,
-        decimals,
-        unit: "",
-        optional: field.is_optional,
-        width: FIELD,
-    };
+    let shown = Number::of(field.name, value, decimals, "", FIELD).optional(field.is_optional);
     let check = |typed: f64| match typed >= 0.0 {
         true => Ok(()),
         false => Err(format!(

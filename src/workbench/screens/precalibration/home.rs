@@ -10,10 +10,7 @@ use super::home_picture;
 use super::home_poses::{self, PoseInput};
 use crate::screens::bench_panel::{Bench, TableInput, decimals_for, or_dash};
 use crate::theme;
-use crate::widgets::{
-    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
-    verdict,
-};
+use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, table};
 use tautline_workflow::precalibration::Table;
 
 const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
@@ -39,18 +36,16 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut HomeInput) {
 /// Draws the home platform and its readings.
 fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     let Some(platform) = &bench.robot().home_platform else {
-        verdict(
-            ui,
-            Verdict::Neutral,
-            "The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it. Or measure the home pose with another instrument.",
-        );
+        ui.neutral("The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it. Or measure the home pose with another instrument.");
         return;
     };
     bench.import(ui, Table::Home, &mut input.path);
     let calibration = bench.calibration;
     match &calibration.home {
-        None => muted_help(ui),
-        Some(Err(message)) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+        None => {
+            ui.muted("The home pose appears here. Place the platform on its home reference, read the six distance sensors, repeatedly if possible, and import the readings or type them below.");
+        }
+        Some(Err(message)) => ui.bad(&format!("{message}.")),
         Some(Ok(measured)) => {
             judge(ui, platform, measured);
             pose(ui, bench, measured);
@@ -61,19 +56,12 @@ fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
             }
         }
     }
-    section(ui, "The six sensors");
+    ui.section("The six sensors");
     home_picture::show(ui, bench, platform);
     if let Some(Ok(measured)) = &calibration.home {
         sensors(ui, measured);
     }
     readings(ui, bench, platform, input);
-}
-
-fn muted_help(ui: &mut Ui) {
-    muted(
-        ui,
-        "The home pose appears here. Place the platform on its home reference, read the six distance sensors, repeatedly if possible, and import the readings or type them below.",
-    );
 }
 
 fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
@@ -83,41 +71,37 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
     for (k, sensor) in outside {
         all_inside = false;
         let mean = sensor.mean_m * 1e3;
-        let text = format!(
+        ui.doubtful(&format!(
             "Sensor {} reads {mean:.1} mm, outside its range of 40 to 300 mm. Check its mounting and its voltage.",
             k + 1
-        );
-        verdict(ui, Verdict::Doubtful, &text);
+        ));
     }
     for (k, (sensor, repeats)) in platform.sensors.iter().zip(&measured.sensors).enumerate() {
         // From five readings the standard deviation is known to a factor of about 1.5.
         if repeats.count >= 5 && repeats.sd_m > 3.0 * sensor.sd_m {
             let (spread, stated) = (repeats.sd_m * 1e3, sensor.sd_m * 1e3);
-            let text = format!(
+            ui.doubtful(&format!(
                 "Readings of sensor {} scatter by {spread:.2} mm, more than three times the {stated:.2} mm given in robot.json.",
                 k + 1
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
             all_inside = false;
         }
     }
     let worst = measured.fix.position_sd_m.into_iter().fold(0.0, f64::max) * 1e3;
     if all_inside {
-        let text = format!("The six distances determine the platform position to {worst:.2} mm.");
-        verdict(ui, Verdict::Good, &text);
+        ui.good(&format!(
+            "The six distances determine the platform position to {worst:.2} mm."
+        ));
     }
 }
 
 fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     let (p, r) = (measured.fix.position_sd_m, measured.fix.orientation_sd_rad);
     let sd = [p[0], p[1], p[2], r[0], r[1], r[2]];
-    let new = ("Measured", &measured.fix.platform_in_base, sd);
-    pose_table(ui, bench.robot().home, new, Some(measured.repeatability));
+    let (new, repeated) = (&measured.fix.platform_in_base, measured.repeatability);
+    pose_table(ui, bench.robot().home, "Measured", new, sd, Some(repeated));
     if measured.repeatability.is_none() {
-        muted(
-            ui,
-            "Repeatability needs the same number of readings of all six sensors, at least two each.",
-        );
+        ui.muted("Repeatability needs the same number of readings of all six sensors, at least two each.");
     }
 }
 
@@ -125,7 +109,9 @@ fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
 pub(super) fn pose_table(
     ui: &mut Ui,
     now: Option<Home>,
-    (title, new, sd): (&str, &Pose, [f64; 6]),
+    title: &str,
+    new: &Pose,
+    sd: [f64; 6],
     repeated: Option<Option<[f64; 6]>>,
 ) {
     let titles = ["Current", title, "±"].into_iter();
@@ -195,7 +181,7 @@ fn reading_field(platform: &HomePlatform) -> RowField {
 }
 
 fn readings(ui: &mut Ui, bench: &mut Bench<'_>, platform: &HomePlatform, input: &mut TableInput) {
-    section(ui, "Readings");
+    ui.section("Readings");
     let list = &bench.session().phases.home;
     let numbers: Vec<Numbers> = list.iter().map(numbers).collect();
     let editor = Rows {
@@ -205,9 +191,7 @@ fn readings(ui: &mut Ui, bench: &mut Bench<'_>, platform: &HomePlatform, input: 
         remarks: ("", ""),
         remark: &[],
     };
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("reading", edit, change);
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, change);
 }
 
 fn numbers(reading: &HomeReading) -> Numbers {

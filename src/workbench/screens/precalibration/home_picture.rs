@@ -32,11 +32,8 @@ pub fn show(ui: &mut Ui, bench: &Bench<'_>, platform: &HomePlatform) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
     let palette = theme::of(ui);
     ui.painter().rect_filled(rect, 4.0, palette.ground);
-    let measured = bench
-        .calibration
-        .home
-        .as_ref()
-        .and_then(|r| r.as_ref().ok());
+    let measured = bench.calibration.home.as_ref();
+    let measured = measured.and_then(|home| home.as_ref().ok());
     let pose = measured.map_or_else(
         || home_start_in_reference(bench.robot(), platform),
         |home| home.fix.platform_in_reference,
@@ -57,7 +54,7 @@ pub fn show(ui: &mut Ui, bench: &Bench<'_>, platform: &HomePlatform) {
         } else {
             palette.warning
         };
-        beam(ui, (view.at(origin), view.at(hit)), k + 1, colour);
+        beam(ui, [view.at(origin), view.at(hit)], k + 1, colour);
     }
     let hover = "Numbered circles: sensors on the reference. Lines: their beams. Faces: planes of the platform. Arrows: x, y and z of the platform.";
     response.on_hover_text(hover);
@@ -192,7 +189,7 @@ fn axes(ui: &Ui, view: &View, pose: &Pose) {
     }
 }
 
-fn beam(ui: &Ui, (from, to): (Pos2, Pos2), number: usize, colour: Color32) {
+fn beam(ui: &Ui, [from, to]: [Pos2; 2], number: usize, colour: Color32) {
     let palette = theme::of(ui);
     let painter = ui.painter();
     painter.line_segment([from, to], Stroke::new(1.5, colour));

@@ -1,6 +1,6 @@
 //! Home poses measured by instruments other than the home platform, and the mean of all.
 
-use egui::{TextEdit, Ui, WidgetInfo};
+use egui::{TextEdit, Ui};
 use egui_material_icons::icons;
 use tautline_session::HomePose;
 use tautline_workflow::wording::units::mm;
@@ -10,8 +10,7 @@ use crate::model::edit::Edit;
 use crate::screens::bench_panel::Bench;
 use crate::theme::GRID;
 use crate::widgets::{
-    Cell, PoseFields, TableColumn, Verdict, icon_only, muted, parse_number, primary, section,
-    table, verdict,
+    Cell, PoseFields, TableColumn, UiExt, icon_only, name_text_field, parse_number, primary, table,
 };
 
 use super::home::pose_table;
@@ -30,11 +29,8 @@ pub struct PoseInput {
 /// Draws the measurements and the fields for another one.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
     let home = bench.robot().home;
-    section(ui, "Measured by another instrument");
-    muted(
-        ui,
-        "Drive home, measure the pose of the platform there, and repeat: random differences average out.",
-    );
+    ui.section("Measured by another instrument");
+    ui.muted("Drive home, measure the pose of the platform there, and repeat: random differences average out.");
     list(ui, bench);
     let response = input.pose.show(ui, "Home", false);
     let by_default = bench
@@ -65,7 +61,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
             change(bench, "add home measurement", |poses| poses.push(pose));
         }
         Err(problem) if !input.pose.is_empty() => {
-            muted(ui, &format!("{problem}."));
+            ui.muted(&format!("{problem}."));
         }
         _ => {}
     }
@@ -112,17 +108,12 @@ fn deviations(
     let names = ["Home position ±", "Home rotation ±"];
     ui.horizontal_wrapped(|ui| {
         for (k, (text, unit)) in texts.iter_mut().zip(["mm", "degrees"]).enumerate() {
-            muted(ui, "±");
+            ui.muted("±");
             let hint = shown.map_or_else(String::new, |shown| format!("{:.4}", shown[k]));
             let field = TextEdit::singleline(text).hint_text(hint);
             let field = ui.add(field.desired_width(15.0 * GRID));
-            let value = text.clone();
-            field.widget_info(|| {
-                let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
-                info.label = Some(names[k].to_owned());
-                info
-            });
-            muted(ui, unit);
+            name_text_field(&field, names[k], text);
+            ui.muted(unit);
         }
     });
     let typed = |k: usize| -> Result<f64, String> {
@@ -156,20 +147,19 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
     let number = count(average.count, "measurement");
     match average.p_value() {
         Some(p) if p < DOUBTFUL => {
-            let text = format!(
+            ui.doubtful(&format!(
                 "The {number} of the home pose differ more than their standard deviations say ({}).",
                 p_value(p)
-            );
-            verdict(ui, Verdict::Doubtful, &text);
+            ));
         }
         _ => {
-            let text = format!("{number} of the home pose: position to {worst_mm:.3} mm.");
-            verdict(ui, Verdict::Good, &text);
+            ui.good(&format!(
+                "{number} of the home pose: position to {worst_mm:.3} mm."
+            ));
         }
     }
     let sd = std::array::from_fn(|k| average.covariance[(k, k)].sqrt());
-    let mean = ("Mean", &average.pose, sd);
-    pose_table(ui, bench.robot().home, mean, None);
+    pose_table(ui, bench.robot().home, "Mean", &average.pose, sd, None);
     bench.propose(
         ui,
         &calibration.with_home,

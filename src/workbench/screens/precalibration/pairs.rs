@@ -7,10 +7,7 @@ use tautline_session::PhaseData;
 use crate::screens::bench_panel::{
     Bench, Residuals, TableInput, decimals_for, or_dash, verdict_cell,
 };
-use crate::widgets::{
-    Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, Verdict, muted, rows, section, table,
-    verdict,
-};
+use crate::widgets::{Cell, Numbers, RowField, Rows, RowsEdit, TableColumn, UiExt, table};
 use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::{fixed, signed};
@@ -110,7 +107,7 @@ pub fn show<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut Table
     let fits = I::fits(bench.calibration);
     let chosen = bench.chosen_cable(fits, |fit| I::quality(fit).passed);
     if fits.is_empty() {
-        muted(ui, I::WORDS.instruction);
+        ui.muted(I::WORDS.instruction);
     } else {
         judge::<I>(ui, bench);
         table_of_fits::<I>(ui, bench, chosen);
@@ -131,20 +128,20 @@ fn judge<I: Calibrated>(ui: &mut Ui, bench: &Bench<'_>) {
     let good = fits.iter().filter(passed).count();
     if good == fits.len() {
         let several = words.several;
-        let text = format!("All {good} {several} measured are within {limit} {unit}.");
-        verdict(ui, Verdict::Good, &text);
+        ui.good(&format!(
+            "All {good} {several} measured are within {limit} {unit}."
+        ));
     }
     for PerCable { cable, fit } in fits {
         match fit.as_ref().map(I::quality) {
             Ok(quality) if !quality.passed => {
                 let (name, worst) = (bench.cable_name(*cable), quality.largest);
-                let text = format!(
+                ui.bad(&format!(
                     "{name}: largest residual {worst:.decimals$} {unit}, more than {limit} {unit}. {}",
                     words.advice
-                );
-                verdict(ui, Verdict::Bad, &text);
+                ));
             }
-            Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+            Err(message) => ui.bad(&format!("{message}.")),
             Ok(_) => {}
         }
     }
@@ -208,7 +205,7 @@ fn residuals<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
 /// Fitted values and the present ones, and the step that applies them.
 fn values<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let words = I::WORDS;
-    section(ui, words.values_title);
+    ui.section(words.values_title);
     let mut columns = vec![TableColumn::words(words.one)];
     for (name, unit) in words.values {
         columns.push(TableColumn::number(name, unit));
@@ -244,7 +241,7 @@ fn values<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>) {
 }
 
 fn pairs<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &mut TableInput) {
-    section(ui, &format!("Pairs of {}", bench.cable_name(chosen)));
+    ui.section(&format!("Pairs of {}", bench.cable_name(chosen)));
     bench.choose_cable(ui, chosen);
     let pairs = I::pairs(&bench.session().phases).iter();
     let pairs: Vec<Numbers> = pairs
@@ -268,11 +265,9 @@ fn pairs<I: Calibrated>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input
         remarks: ("Residual", unit),
         remark: &remarks,
     };
-    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
-        bench.edit_rows("pair", edit, |phases, edit| {
-            change(I::pairs_mut(phases), chosen, edit);
-        });
-    }
+    bench.edit_rows(ui, &editor, &mut input.rows, |phases, edit| {
+        change(I::pairs_mut(phases), chosen, edit);
+    });
 }
 
 fn change<P: Pair>(pairs: &mut Vec<P>, cable: usize, edit: RowsEdit) {

@@ -10,12 +10,12 @@ use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, path_field};
+use crate::widgets::{icon_button, path_field};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = model.record.open();
     ui.horizontal(|ui| {
-        heading(ui, "Record of a robot");
+        ui.heading("Record of a robot");
         if let Some(open) = open {
             ui.label(RichText::new(open.record.title()).font(theme::strong(13.0)));
         }
@@ -41,7 +41,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
                 panel.path = folder.display().to_string();
                 outbox.send(RecordCommand::Close);
             }
-            if icon_button(ui, icons::ICON_REFRESH, "Read again", is_read(model)).clicked() {
+            let is_read = model.record.result().is_some();
+            if icon_button(ui, icons::ICON_REFRESH, "Read again", is_read).clicked() {
                 outbox.send(RecordCommand::Open(folder.to_owned()));
             }
             let place = RichText::new(folder.display().to_string());
@@ -51,15 +52,10 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     });
 }
 
-/// Whether reading the record has ended, with or without success.
-fn is_read(model: &Model) -> bool {
-    model.record.result().is_some()
-}
-
 fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
     let hint = "Folder with the sessions of one robot, or drop it on the window";
     let width = (ui.available_width() - 220.0).clamp(160.0, 560.0);
-    let entered = path_field(ui, ("Folder of the record", hint), path, width);
+    let entered = path_field(ui, "Folder of the record", hint, path, width);
     let typed = !path.trim().is_empty();
     let open = ui.add_enabled(typed, Button::new("Open"));
     if (open.clicked() || entered) && typed {

@@ -12,8 +12,8 @@ use crate::model::Model;
 use crate::model::command::{Outbox, PlotCommand, ViewCommand};
 use crate::model::record::OpenRecord;
 use crate::theme::GRID;
-use crate::views::plots::small::{Linked, legend_of, show_linked};
-use crate::widgets::{muted, section};
+use crate::views::plots::small::{SmallPlot, legend_of, show_linked};
+use crate::widgets::UiExt;
 
 /// Smallest width of a plot, its height, and the gap between plots (points).
 const WIDTH: f32 = 330.0;
@@ -44,11 +44,8 @@ impl Lanes {
 
 pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        section(ui, "Courses");
-        muted(
-            ui,
-            "less the last session. Line with 95 % band: all sessions together; points: each by itself; shaded dates: when it jumped; dashed: events",
-        );
+        ui.section("Courses");
+        ui.muted("less the last session. Line with 95 % band: all sessions together; points: each by itself; shaded dates: when it jumped; dashed: events");
     });
     let first = lanes.plots.first().map(|(_, figure)| figure);
     if let Some(first) = first {
@@ -59,12 +56,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbo
         let width = (ui.available_width() - GAP * (columns - 1.0)) / columns;
         Grid::new("courses").spacing(vec2(GAP, GAP)).show(ui, |ui| {
             for (index, (part, figure)) in lanes.plots.iter().enumerate() {
-                let plot = Linked {
+                let plot = SmallPlot {
                     name: &format!("Course: {}", figure.y.title()),
                     figure,
                     generation: lanes.generation,
                     size: vec2(width, HEIGHT),
-                    link: "courses",
+                    link: Some("courses"),
                     is_explained: first.is_some_and(|first| names(first) == names(figure)),
                 };
                 one(ui, model, part, &plot, outbox);
@@ -84,7 +81,7 @@ fn names(figure: &Figure) -> Vec<&str> {
     series.chain(curves).chain(bands).collect()
 }
 
-fn one(ui: &mut Ui, model: &Model, part: &RobotPart, plot: &Linked<'_>, outbox: &mut Outbox) {
+fn one(ui: &mut Ui, model: &Model, part: &RobotPart, plot: &SmallPlot<'_>, outbox: &mut Outbox) {
     let asked = show_linked(ui, plot, model.selection);
     if asked.is_clicked
         && let Some(selection) = selection_of(part)

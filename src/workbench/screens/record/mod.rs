@@ -26,8 +26,7 @@ use crate::views::ViewStates;
 use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SceneInputs, SideNames};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
-    Entered, Number, Verdict, choice, empty, muted, number_checked, one_part, panel_frame, section,
-    verdict,
+    Entered, Number, UiExt, Verdict, choice, number_checked, one_part, panel_frame,
 };
 
 #[derive(Debug, Default)]
@@ -40,12 +39,12 @@ pub struct PanelState {
     /// Part shown in a small window.
     part: ScreenPart,
     /// Record drawn last.
-    drawn: Option<Drawn>,
+    drawn: Option<RecordView>,
 }
 
 /// Record prepared for drawing.
 #[derive(Debug)]
-struct Drawn {
+struct RecordView {
     open: Arc<OpenRecord>,
     shown: usize,
     /// Pulleys of the first session and of the shown one.
@@ -53,7 +52,7 @@ struct Drawn {
     lanes: lanes::Lanes,
 }
 
-impl Drawn {
+impl RecordView {
     fn new(ui: &Ui, open: &Arc<OpenRecord>, shown: usize) -> Self {
         Self {
             scene: Arc::new(scene(open, shown)),
@@ -66,6 +65,12 @@ impl Drawn {
 
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
+/// Parts, and their titles in a small window.
+const PARTS: [(ScreenPart, &str); 3] = [
+    (ScreenPart::Panel, "Changes"),
+    (ScreenPart::Robot, "3D view"),
+    (ScreenPart::Plots, "Courses"),
+];
 /// Names of the two sets of pulleys in the 3D view.
 const NAMES: SideNames = SideNames {
     first: "first session",
@@ -75,29 +80,27 @@ const NAMES: SideNames = SideNames {
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     Panel::top("record")
         .frame(panel_frame(ui))
         .show(ui, |ui| chooser::show(ui, model, panel, outbox));
     match model.record.result() {
-        Some(Ok(open)) => opened(ui, model, open, (panel, views), outbox),
+        Some(Ok(open)) => opened(ui, model, open, panel, views, outbox),
         Some(Err(error)) => {
             ui.add_space(6.0 * GRID);
             ui.horizontal(|ui| {
                 ui.add_space(3.0 * GRID);
-                verdict(ui, Verdict::Bad, error);
+                ui.bad(error);
             });
         }
         None if model.tasks.runs(READING_RECORD) => {
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
-        None => empty(
-            ui,
-            "Choose a folder with the sessions of one robot. The record shows what moved between which dates, what drifts, and when \
-             to calibrate again.",
-        ),
+        None => ui.empty("Choose a folder with the sessions of one robot. The record shows what moved between which dates, what drifts, and when \
+             to calibrate again."),
     }
 }
 
@@ -105,82 +108,63 @@ fn opened(
     ui: &mut Ui,
     model: &Model,
     open: &Arc<OpenRecord>,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     let last = open.record.sessions.len() - 1;
     let known = panel.drawn.take();
-    let is_same = |drawn: &Drawn| drawn.open.folder == open.folder;
+    let is_same = |drawn: &RecordView| drawn.open.folder == open.folder;
     if !known.as_ref().is_some_and(is_same) {
         views.record_3d.look_anew();
         (panel.shown, panel.chosen) = (last, Vec::new());
     }
     panel.shown = panel.shown.min(last);
     let known = known.filter(|drawn| Arc::ptr_eq(&drawn.open, open));
-    let mut drawn = known.unwrap_or_else(|| Drawn::new(ui, open, panel.shown));
+    let mut drawn = known.unwrap_or_else(|| RecordView::new(ui, open, panel.shown));
     if drawn.shown != panel.shown {
         drawn.scene = Arc::new(scene(open, panel.shown));
         drawn.shown = panel.shown;
     }
+    let mut part = panel.part;
+    let draw = |ui: &mut Ui, part: ScreenPart| match part {
+        ScreenPart::Panel => changes(ui, model, &drawn, panel, outbox),
+        ScreenPart::Robot => robot(ui, model, &drawn, panel, views, outbox),
+        ScreenPart::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
+    };
     if ui.available_width() < COMPACT {
-        compact(ui, model, &drawn, (panel, views), outbox);
+        one_part(ui, &mut part, PARTS, draw);
     } else {
-        wide(ui, model, &drawn, (panel, views), outbox);
+        wide(ui, draw);
     }
+    panel.part = part;
     panel.drawn = Some(drawn);
 }
 
 /// All parts side by side.
-fn wide(
-    ui: &mut Ui,
-    model: &Model,
-    drawn: &Drawn,
-    (panel, views): (&mut PanelState, &mut ViewStates),
-    outbox: &mut Outbox,
-) {
+fn wide(ui: &mut Ui, mut draw: impl FnMut(&mut Ui, ScreenPart)) {
     let side = panel_frame(ui);
     Panel::right("what changed")
         .frame(side)
         .default_size(560.0)
         .size_range(420.0..=760.0)
-        .show(ui, |ui| changes(ui, model, drawn, panel, outbox));
+        .show(ui, |ui| draw(ui, ScreenPart::Panel));
     let height = 0.5 * ui.available_height();
     Panel::bottom("courses")
         .frame(side)
         .default_size(height)
         .size_range(160.0..=1.6 * height)
-        .show(ui, |ui| lanes::show(ui, model, &drawn.lanes, outbox));
-    CentralPanel::no_frame().show(ui, |ui| robot(ui, model, drawn, (panel, views), outbox));
-}
-
-/// One part at a time, in a small window.
-fn compact(
-    ui: &mut Ui,
-    model: &Model,
-    drawn: &Drawn,
-    (panel, views): (&mut PanelState, &mut ViewStates),
-    outbox: &mut Outbox,
-) {
-    let parts = [
-        (ScreenPart::Panel, "Changes"),
-        (ScreenPart::Robot, "3D view"),
-        (ScreenPart::Plots, "Courses"),
-    ];
-    let mut part = panel.part;
-    one_part(ui, &mut part, parts, |ui, part| match part {
-        ScreenPart::Panel => changes(ui, model, drawn, panel, outbox),
-        ScreenPart::Robot => robot(ui, model, drawn, (panel, views), outbox),
-        ScreenPart::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
-    });
-    panel.part = part;
+        .show(ui, |ui| draw(ui, ScreenPart::Plots));
+    CentralPanel::no_frame().show(ui, |ui| draw(ui, ScreenPart::Robot));
 }
 
 /// Pulleys in 3D at a date, and the slider for it.
 fn robot(
     ui: &mut Ui,
     model: &Model,
-    drawn: &Drawn,
-    (panel, views): (&mut PanelState, &mut ViewStates),
+    drawn: &RecordView,
+    panel: &mut PanelState,
+    views: &mut ViewStates,
     outbox: &mut Outbox,
 ) {
     let sessions = &drawn.open.record.sessions;
@@ -198,14 +182,14 @@ fn robot(
                 };
                 ui.add(slider.custom_formatter(name)).labelled_by(label.id);
             });
-            muted(ui, &path_in_words(drawn, model.selection));
+            ui.muted(&path_in_words(drawn, model.selection));
         });
-    let view = (&mut views.record_3d, &mut views.hovered);
-    show_beside(ui, &drawn.scene, model.selection, view, outbox);
+    let (view, hovered) = (&mut views.record_3d, &mut views.hovered);
+    show_beside(ui, &drawn.scene, model.selection, view, hovered, outbox);
 }
 
 /// Text on the path of the selected pulley.
-fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
+fn path_in_words(drawn: &RecordView, selection: Selection) -> String {
     let moved = |index: usize| drawn.scene.cables.get(index)?.moved;
     let selected = selection.cable;
     let Some((index, moved)) = selected.and_then(|index| Some((index, moved(index)?))) else {
@@ -219,7 +203,13 @@ fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
 }
 
 /// Panel on the right: changes, date of the next calibration, sessions.
-fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, outbox: &mut Outbox) {
+fn changes(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &RecordView,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+) {
     let open = &drawn.open;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let kind = match open.found.is_certain() {
@@ -227,17 +217,17 @@ fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, ou
             false => Verdict::Good,
         };
         for sentence in told(&open.record, &open.found) {
-            verdict(ui, kind, &sentence);
+            ui.verdict(kind, &sentence);
         }
         if let Some(sentence) = next_calibration(&open.record, &open.found) {
-            verdict(ui, Verdict::Neutral, &sentence);
+            ui.neutral(&sentence);
         }
         for notice in &open.record.notices {
-            muted(ui, notice);
+            ui.muted(notice);
         }
         ui.add_space(GRID);
         tolerance(ui, model.record.tolerance, outbox);
-        section(ui, "Sessions");
+        ui.section("Sessions");
         sessions::show(ui, open, panel, outbox);
         if let Some(checked) = &model.record.checked {
             health(ui, open, checked);
@@ -281,7 +271,7 @@ fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
     let [before, now] = checked
         .sessions
         .map(|k| open.record.sessions[k].name.as_str());
-    section(ui, &format!("Health check: {now} against {before}"));
+    ui.section(&format!("Health check: {now} against {before}"));
     match &checked.result {
         Ok((found, sentences)) => {
             let kind = match found {
@@ -291,13 +281,13 @@ fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
             };
             let mut sentences = sentences.iter();
             if let Some(first) = sentences.next() {
-                verdict(ui, kind, first);
+                ui.verdict(kind, first);
             }
             for sentence in sentences {
-                muted(ui, sentence);
+                ui.muted(sentence);
             }
         }
-        Err(error) => verdict(ui, Verdict::Bad, error),
+        Err(error) => ui.bad(error),
     }
 }
 

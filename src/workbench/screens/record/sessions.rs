@@ -12,7 +12,7 @@ use super::PanelState;
 use crate::model::command::{Outbox, RecordCommand};
 use crate::model::record::OpenRecord;
 use crate::theme;
-use crate::widgets::{Cell, TableColumn, muted, table};
+use crate::widgets::{Cell, TableColumn, UiExt, table};
 
 pub(super) fn show(
     ui: &mut Ui,
@@ -63,10 +63,7 @@ pub(super) fn show(
             outbox.send(RecordCommand::PlanCheck(Some(panel.shown)));
         }
     });
-    muted(
-        ui,
-        "Click two sessions to compare them, double-click one to open it.",
-    );
+    ui.muted("Click two sessions to compare them, double-click one to open it.");
 }
 
 /// Column of the table, shown if a session has a value for it.

@@ -35,8 +35,7 @@ fn recent(state: &AppState) -> Vec<MenuItem> {
 
 pub fn lines(state: &AppState) -> Vec<MenuItem> {
     let open = state.model.open.is_some();
-    let session = state.model.open.as_ref().map(|open| open.session());
-    let measured = session.is_some_and(|session| !session.measurements.is_empty());
+    let measured = state.model.measured().is_some();
     let is_compared = matches!(state.model.comparison.result(), Some(Ok(_)));
     let has_report = match state.model.screen {
         Screen::Compare => is_compared,

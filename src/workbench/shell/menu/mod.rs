@@ -170,7 +170,7 @@ fn model(state: &AppState) -> Vec<MenuItem> {
         .iter()
         .any(|title| model.tasks.runs(title));
     let open = model.open.as_ref();
-    let measured = open.is_some_and(|d| !d.session().measurements.is_empty());
+    let measured = model.measured().is_some();
     let has_draft = model.hypothesis.draft.is_some();
     let line = |title: &str, enabled, command: Command| Menu::Model.line(title, enabled, command);
     let compute =
@@ -206,7 +206,7 @@ fn model(state: &AppState) -> Vec<MenuItem> {
 /// Next step of the phase, as in its footer.
 fn next(state: &AppState) -> MenuItem {
     let step = match state.model.screen {
-        Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses()),
+        Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses),
         _ => None,
     };
     let next = match (step.and_then(|step| step.action), state.model.recoverable()) {

@@ -23,8 +23,7 @@ pub fn lines(state: &AppState) -> Vec<MenuItem> {
     let scale = model.context.zoom_factor();
     let is_phase = matches!(model.screen, Screen::Phase(_));
     let is_restorable = is_phase && model.maximised.is_some();
-    let measured = model.open.as_ref();
-    let measured = measured.is_some_and(|d| !d.session().measurements.is_empty());
+    let measured = model.measured().is_some();
     let cable = model.selection.cable.filter(|_| open);
     let pose = |title, step| view(title, measured, ViewCommand::Pose(step));
     let part = |title, part| view(title, is_phase, ViewCommand::Maximise(Some(part)));

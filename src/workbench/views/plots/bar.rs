@@ -20,7 +20,8 @@ const NARROW: f32 = 420.0;
 /// Draws options, cursor readings and buttons.
 pub(crate) fn options(
     ui: &mut Ui,
-    (model, open): (&Model, &OpenSession),
+    model: &Model,
+    open: &OpenSession,
     plots: &mut PlotState,
     figure: &Arc<Figure>,
     outbox: &mut Outbox,
@@ -47,7 +48,7 @@ pub(crate) fn options(
     if let Some(format) = plots.saving.take()
         && let Some(file) = plots
             .view
-            .file(ui, (plots.kind.title, figure), model.selection, format)
+            .file(ui, plots.kind.title, figure, model.selection, format)
     {
         let title = plots.kind.title.to_lowercase().replace(' ', "-");
         let name = format!("{title}.{}", format.ending());

@@ -1,11 +1,12 @@
 //! Options above the plots and their widgets.
 
-use egui::{ComboBox, Role, Ui, WidgetInfo, vec2};
+use egui::{ComboBox, Ui, vec2};
 use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::Prepared;
+use crate::widgets::name_combo_box;
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -91,7 +92,8 @@ impl VariableChoice {
 /// Choice from several options, side by side or as a menu in a narrow plot.
 pub(super) fn choose<T: Copy + PartialEq>(
     ui: &mut Ui,
-    (name, is_narrow): (&str, bool),
+    name: &str,
+    is_narrow: bool,
     all: &[(T, &str)],
     chosen: &mut T,
 ) {
@@ -110,13 +112,14 @@ pub(super) fn choose<T: Copy + PartialEq>(
 }
 
 pub(super) fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
-    combo_within(ui, (name, None), selected, add);
+    combo_within(ui, name, None, selected, add);
 }
 
 /// Menu of its natural or a given width, clipped to the available space.
 pub(super) fn combo_within(
     ui: &mut Ui,
-    (name, width): (&str, Option<f32>),
+    name: &str,
+    width: Option<f32>,
     selected: &str,
     add: impl FnOnce(&mut Ui),
 ) {
@@ -130,8 +133,5 @@ pub(super) fn combo_within(
         }
         None => shown.show_ui(ui, add),
     };
-    let text = format!("{name}: {selected}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
+    name_combo_box(&shown.response, &format!("{name}: {selected}"));
 }

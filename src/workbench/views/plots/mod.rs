@@ -24,7 +24,7 @@ use crate::model::edit::Edit;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{Model, OpenSession, Selection};
-use crate::widgets::{Verdict, empty, verdict};
+use crate::widgets::UiExt;
 use choices::VariableChoice;
 pub use dock::Panes;
 use dock::PlotId;
@@ -105,15 +105,15 @@ fn pane(
             return match ((plots.kind.missing)(open), open.fit()) {
                 (None, Some(fit)) => {
                     let state = &mut plots.statistics;
-                    statistics::show(ui, fit, state, (model.selection, hovered), outbox);
+                    statistics::show(ui, fit, state, model.selection, hovered, outbox);
                 }
-                (why, _) => empty(ui, why.unwrap_or_default()),
+                (why, _) => ui.empty(why.unwrap_or_default()),
             };
         }
     };
     match plots.figure(open, figure) {
-        Ok(figure) => plot(ui, (model, open), plots, &figure, hovered, outbox),
-        Err(Unavailable::Empty(why)) => empty(ui, why),
+        Ok(figure) => plot(ui, model, open, plots, &figure, hovered, outbox),
+        Err(Unavailable::Empty(why)) => ui.empty(why),
         Err(Unavailable::Failed(why)) => failed(ui, plots, &why),
         Err(Unavailable::Unprepared) => {
             outbox.send(PlotCommand::Prepare);
@@ -123,11 +123,7 @@ fn pane(
 }
 
 fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
-    verdict(
-        ui,
-        Verdict::Bad,
-        &format!("The plot cannot be prepared: {why}."),
-    );
+    ui.bad(&format!("The plot cannot be prepared: {why}."));
     if ui.button("Try again").clicked() {
         plots.preparation = None;
     }
@@ -135,13 +131,14 @@ fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
 
 fn plot(
     ui: &mut Ui,
-    (model, open): (&Model, &OpenSession),
+    model: &Model,
+    open: &OpenSession,
     plots: &mut PlotState,
     KnownFigure { figure, whole }: &KnownFigure,
     hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
-    bar::options(ui, (model, open), plots, figure, outbox);
+    bar::options(ui, model, open, plots, figure, outbox);
     let title = plots.kind.title;
     let id = (title, plots.copy, plots.session, plots.arrangement);
     let input = PlotInput {

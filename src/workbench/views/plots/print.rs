@@ -31,7 +31,7 @@ pub(crate) fn png(picture: &PlotPicture) -> Result<Vec<u8>, String> {
     let scale = (WIDTH_M * RESOLUTION) as f32 / width;
     let palette = theme::palette(Theme::Light);
     let colours = colours(palette);
-    let image = offscreen::render((size, scale), Theme::Light, |ui, rect| {
+    let image = offscreen::render(size, scale, Theme::Light, |ui, rect| {
         ui.painter().rect_filled(rect, 0.0, palette.raised);
         paint(ui, rect.shrink(MARGIN), picture, &colours);
     });

@@ -10,7 +10,7 @@ use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
 use crate::model::{Memo, Model};
 use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "scope",
@@ -78,7 +78,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {
         let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \
                     they change.";
-        return empty(ui, text);
+        return ui.empty(text);
     };
     let cable = model.selection.cable;
     let link = &model.link;
@@ -89,7 +89,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let room = ui.available_size() - vec2(0.0, 6.0 * GRID);
     let cell = vec2(room.x / 2.0, room.y / rows);
     let fits_all = cell.x >= LEAST.x && cell.y >= LEAST.y;
-    head(ui, model, (fits_all, graphs), &mut state.chosen);
+    head(ui, model, fits_all, graphs, &mut state.chosen);
     let shown = match (fits_all, cell.x >= LEAST.x) {
         (true, _) => Graph::ALL.to_vec(),
         // The rates are always visible if there is room for two.
@@ -128,7 +128,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
 }
 
 /// Current operation, and the choice of a graph if there is no room for all.
-fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[ScopeGraph]), chosen: &mut Graph) {
+fn head(ui: &mut Ui, model: &Model, fits_all: bool, graphs: &[ScopeGraph], chosen: &mut Graph) {
     ui.horizontal(|ui| {
         if !fits_all {
             for ScopeGraph { graph, .. } in graphs {

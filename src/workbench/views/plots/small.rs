@@ -24,8 +24,15 @@ pub(crate) fn show(
     selection: Selection,
 ) -> Option<Selection> {
     let size = vec2(ui.available_width(), height);
-    let drawn = (name, figure, ui.ctx().cumulative_pass_nr());
-    let (_, events) = draw(ui, drawn, (size, None, false, false), selection);
+    let plot = SmallPlot {
+        name,
+        figure,
+        generation: ui.ctx().cumulative_pass_nr(),
+        size,
+        link: None,
+        is_explained: false,
+    };
+    let (_, events) = draw(ui, &plot, selection);
     events.into_iter().find_map(|event| match event {
         PlotEvent::Selected(selection) => Some(selection),
         _ => None,
@@ -33,7 +40,7 @@ pub(crate) fn show(
 }
 
 /// One of several plots that are zoomed and panned together along x.
-pub(crate) struct Linked<'a> {
+pub(crate) struct SmallPlot<'a> {
     /// Accessible name.
     pub(crate) name: &'a str,
     pub(crate) figure: &'a Figure,
@@ -41,7 +48,7 @@ pub(crate) struct Linked<'a> {
     pub(crate) generation: u64,
     pub(crate) size: Vec2,
     /// Name of the link between the plots.
-    pub(crate) link: &'a str,
+    pub(crate) link: Option<&'a str>,
     /// Whether the legend is above the plots, see [`legend_of`].
     pub(crate) is_explained: bool,
 }
@@ -69,18 +76,15 @@ pub(crate) struct PlotResponse {
 }
 
 /// Draws one of several linked plots; its menu saves it.
-pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> PlotResponse {
-    let drawn = (plot.name, plot.figure, plot.generation);
-    let link = Some(Id::unique(plot.link));
-    let kind = (plot.size, link, true, plot.is_explained);
-    let (view, events) = draw(ui, drawn, kind, selection);
+pub(crate) fn show_linked(ui: &mut Ui, plot: &SmallPlot<'_>, selection: Selection) -> PlotResponse {
+    let (view, events) = draw(ui, plot, selection);
     let mut asked = PlotResponse::default();
     for event in events {
         match event {
             PlotEvent::Selected(_) => asked.is_clicked = true,
             PlotEvent::Save(format) => {
-                let of = (plot.name, plot.figure);
-                let file = view.lock().file(ui, of, selection, format);
+                let view = view.lock();
+                let file = view.file(ui, plot.name, plot.figure, selection, format);
                 asked.saved = file.map(|file| (format.ending(), file));
             }
             PlotEvent::Excluded(_) => {}
@@ -91,27 +95,22 @@ pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) 
 
 type KeptView = Arc<Mutex<PlotView>>;
 
-fn draw(
-    ui: &mut Ui,
-    (name, figure, generation): (&str, &Figure, u64),
-    (size, link, can_be_saved, is_explained): (Vec2, Option<Id>, bool, bool),
-    selection: Selection,
-) -> (KeptView, Vec<PlotEvent>) {
-    let id = ui.make_persistent_id(name);
+fn draw(ui: &mut Ui, plot: &SmallPlot<'_>, selection: Selection) -> (KeptView, Vec<PlotEvent>) {
+    let id = ui.make_persistent_id(plot.name);
     let kept = ui.data(|data| data.get_temp::<KeptView>(id));
     let view = kept.unwrap_or_default();
     let input = PlotInput {
-        name,
+        name: plot.name,
         id: id.with("plot"),
-        figure,
-        generation,
-        whole: figure.whole(),
+        figure: plot.figure,
+        generation: plot.generation,
+        whole: plot.figure.whole(),
         selection,
-        size,
-        link,
+        size: plot.size,
+        link: plot.link.map(Id::unique),
         is_docked: false,
-        can_be_saved,
-        is_explained,
+        can_be_saved: plot.link.is_some(),
+        is_explained: plot.is_explained,
     };
     let output = view.lock().show(ui, &input);
     ui.data_mut(|data| data.insert_temp(id, Arc::clone(&view)));

@@ -26,18 +26,12 @@ pub fn show(ui: &mut Ui, coordinates: &[PulleyCoordinate; 3]) {
     for (axis, coordinate) in ["x", "y", "z"].into_iter().zip(coordinates) {
         let size = vec2(ui.available_width(), ROW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-        let words = [value(coordinate), prior(coordinate)];
         response.widget_info(|| {
-            let text = format!("d{axis}: {}; drawing {}", words[0], words[1]);
+            let (value, prior) = (value(coordinate), prior(coordinate));
+            let text = format!("d{axis}: {value}; drawing {prior}");
             WidgetInfo::labeled(Role::Label, true, text)
         });
-        row(
-            ui.painter(),
-            rect,
-            (axis, &words),
-            (coordinate, half),
-            palette,
-        );
+        row(ui.painter(), rect, axis, coordinate, half, palette);
     }
 }
 
@@ -106,8 +100,9 @@ fn prior(coordinate: &PulleyCoordinate) -> String {
 fn row(
     painter: &Painter,
     rect: Rect,
-    (axis, [value, prior]): (&str, &[String; 2]),
-    (coordinate, half_m): (&PulleyCoordinate, f64),
+    axis: &str,
+    coordinate: &PulleyCoordinate,
+    half_m: f64,
     palette: &Palette,
 ) {
     let font = FontId::proportional(13.0);
@@ -117,13 +112,14 @@ fn row(
     let bars = bars(rect);
     let name = format!("d{axis}");
     text(rect.left(), Align2::LEFT_CENTER, &name, palette.muted);
+    let right = Align2::RIGHT_CENTER;
     text(
         bars.right() + VALUE,
-        Align2::RIGHT_CENTER,
-        value,
+        right,
+        &value(coordinate),
         palette.text,
     );
-    text(rect.right(), Align2::RIGHT_CENTER, prior, palette.muted);
+    text(rect.right(), right, &prior(coordinate), palette.muted);
     let painter = painter.with_clip_rect(bars.intersect(painter.clip_rect()));
     let x = |metres: f64| {
         let share = (metres / half_m).clamp(-1.0, 1.0) as f32;

@@ -134,7 +134,7 @@ impl InsetTransform {
 }
 
 /// Draws an inset, with `colour` and `name` of the cable.
-pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name): (Color32, &str)) {
+pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, colour: Color32, name: &str) {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(size), Sense::hover());
     let title = inset.side.title();
     response.widget_info(|| {
@@ -155,9 +155,9 @@ pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name):
     bands(&painter, &place, inset, palette);
     grid(&painter, &place, scale, palette);
     if let Some(semi_axes) = inset.region {
-        ellipse(&painter, &place, (inset.found, semi_axes), colour);
+        ellipse(&painter, &place, inset.found, semi_axes, colour);
     }
-    places(&painter, &place, inset, (colour, palette));
+    places(&painter, &place, inset, colour, palette);
     words(&painter, rect, inset, palette);
     painter.rect_stroke(
         rect,
@@ -211,7 +211,8 @@ fn bands(painter: &Painter, place: &InsetTransform, inset: &Inset, palette: &Pal
 fn ellipse(
     painter: &Painter,
     place: &InsetTransform,
-    (centre, semi_axes): (Vector2<f64>, [Vector2<f64>; 2]),
+    centre: Vector2<f64>,
+    semi_axes: [Vector2<f64>; 2],
     colour: Color32,
 ) {
     let points: Vec<Pos2> = boundary(centre, semi_axes)
@@ -230,7 +231,8 @@ fn places(
     painter: &Painter,
     place: &InsetTransform,
     inset: &Inset,
-    (colour, palette): (Color32, &Palette),
+    colour: Color32,
+    palette: &Palette,
 ) {
     let [nominal, found] = [Vector2::zeros(), inset.found].map(|p| place.at(p));
     let way = found - nominal;

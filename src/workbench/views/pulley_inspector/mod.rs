@@ -11,9 +11,9 @@ use tautline_core::robot::Robot;
 
 use super::robot_3d::{self, CameraRequest, Robot3d};
 use crate::model::command::{Outbox, ViewCommand};
-use crate::model::{Model, OpenSession, Selection};
+use crate::model::{Model, Selection};
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
+use crate::widgets::{UiExt, icon_button, icon_only};
 use inset::{Inset, SIDES, Scale};
 use tautline_workflow::identification::{FitVerdict, IdentifiedPulley, PulleyInspection};
 use tautline_workflow::wording::units::significant;
@@ -60,20 +60,23 @@ impl Arrangement {
 
 /// Inspected pulley, by the index of its cable, if it belongs to the open session.
 #[must_use]
-pub fn inspected(model: &Model) -> Option<(&OpenSession, usize)> {
+pub fn inspected(model: &Model) -> Option<usize> {
     let open = model.open.as_ref()?;
     let count = open.session().robot.cable_count();
-    let cable = model.inspected.filter(|cable| *cable < count)?;
-    Some((open, cable))
+    model.inspected.filter(|cable| *cable < count)
 }
 
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (open, cable): (&OpenSession, usize),
-    view: (&mut Robot3d, &mut Selection),
+    cable: usize,
+    view: &mut Robot3d,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
+    let Some(open) = &model.open else {
+        return;
+    };
     let robot = &open.session().robot;
     let fit = open.fit().map(AsRef::as_ref);
     let Some(inspection) = PulleyInspection::of(robot, fit, cable) else {
@@ -106,12 +109,11 @@ pub fn show(
                     verdict != FitVerdict::Inadequate
                 });
                 judged(ui, &inspection, is_explained);
-                let tolerance_m = open.tolerance_m();
-                details(ui, &inspection, (robot, tolerance_m), arrangement);
+                details(ui, &inspection, robot, open.tolerance_m(), arrangement);
             });
         });
     CentralPanel::no_frame().show(ui, |ui| {
-        robot_3d::inspect(ui, (model, open), cable, view, (aim, outbox));
+        robot_3d::inspect(ui, model, cable, view, hovered, aim, outbox);
     });
 }
 
@@ -180,9 +182,9 @@ fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
 fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
     let text = inspection.sentence(is_explained);
     if is_explained || inspection.identified.is_none() {
-        ui.add(Label::new(text).wrap());
+        ui.wrapped(text);
     } else {
-        verdict(ui, Verdict::Doubtful, &text);
+        ui.doubtful(&text);
     }
 }
 
@@ -204,14 +206,12 @@ fn is_pressed(ui: &Ui, key: Key) -> bool {
 fn details(
     ui: &mut Ui,
     inspection: &PulleyInspection,
-    (robot, tolerance_m): (&Robot, Option<f64>),
+    robot: &Robot,
+    tolerance_m: Option<f64>,
     arrangement: Arrangement,
 ) {
     let Some(found) = &inspection.identified else {
-        muted(
-            ui,
-            "Identify in phase 4 to see where the pulley really is, with its uncertainty.",
-        );
+        ui.muted("Identify in phase 4 to see where the pulley really is, with its uncertainty.");
         return;
     };
     let directions = robot_3d::camera::directions(robot.gravity());
@@ -222,8 +222,14 @@ fn details(
         ui.vertical(|ui| {
             ui.horizontal(|ui| {
                 for inset in &insets {
-                    let of = (colour, inspection.name.as_str());
-                    inset::show(ui, inset, scale, arrangement.inset, of);
+                    inset::show(
+                        ui,
+                        inset,
+                        scale,
+                        arrangement.inset,
+                        colour,
+                        &inspection.name,
+                    );
                 }
             });
             muted_small(ui, &caption(inspection, scale, tolerance_m));
@@ -257,21 +263,21 @@ fn numbers(ui: &mut Ui, found: &IdentifiedPulley, robot: &Robot) {
     if found.correlations.is_empty() {
         return;
     }
-    section(ui, "Strongest correlations with other pulleys");
+    ui.section("Strongest correlations with other pulleys");
     ui.spacing_mut().item_spacing.y = 2.0;
     for correlation in &found.correlations {
         let text = format!("{}, {}", correlation.name(robot), correlation.words());
-        ui.add(Label::new(text).wrap());
+        ui.wrapped(text);
     }
 }
 
 fn muted_small(ui: &mut Ui, text: &str) {
     let colour = theme::of(ui).muted;
-    ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+    ui.wrapped(RichText::new(text).small().color(colour));
 }
 
 /// Button that opens the inspector.
-pub fn button(ui: &mut Ui, (cable, name): (usize, &str), outbox: &mut Outbox) {
+pub fn button(ui: &mut Ui, cable: usize, name: &str, outbox: &mut Outbox) {
     let text = format!("Inspect the pulley of {name}");
     if icon_button(ui, icons::ICON_CENTER_FOCUS_STRONG, &text, true)
         .on_hover_text("Shows it true to scale, with its displacement and uncertainty")

@@ -1,10 +1,10 @@
 //! Callouts: coordinates pinned beside their pulleys.
 
-use egui::{FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
+use egui::{FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
-use super::picking::Picture;
+use super::overlay::Overlay;
 use super::scene::{CableView, Displacement};
-use crate::theme::{GRID, Palette};
+use crate::theme::GRID;
 use tautline_workflow::wording::units::{fixed, signed};
 
 const SIZE: f32 = 11.5;
@@ -13,36 +13,34 @@ const REACHES: [f32; 4] = [28.0, 56.0, 84.0, 120.0];
 /// Number of directions tried at each distance.
 const TURNS: usize = 12;
 
-/// Draws the callouts and adds their rectangles to `taken`.
-pub fn paint(
-    painter: &Painter,
-    rect: Rect,
-    picture: &Picture<'_>,
-    taken: &mut Vec<Rect>,
-    palette: &Palette,
-) {
-    for index in &picture.options.pinned {
-        let Some(cable) = picture.scene.cables.get(*index) else {
-            continue;
-        };
-        let Some(seen) = picture.on_screen(&picture.placed(*index).wheel.entry) else {
-            continue;
-        };
-        let at = rect.min + vec2(seen.x as f32, seen.y as f32);
-        if !rect.contains(at) {
-            continue;
+impl Overlay<'_> {
+    /// Draws the callouts and adds their rectangles to `taken`.
+    pub fn callouts(&self, taken: &mut Vec<Rect>) {
+        let (painter, rect, picture, palette) =
+            (self.painter, self.rect, self.picture, self.palette);
+        for index in &picture.options.pinned {
+            let Some(cable) = picture.scene.cables.get(*index) else {
+                continue;
+            };
+            let Some(seen) = picture.on_screen(&picture.placed(*index).wheel.entry) else {
+                continue;
+            };
+            let at = rect.min + vec2(seen.x as f32, seen.y as f32);
+            if !rect.contains(at) {
+                continue;
+            }
+            let font = FontId::proportional(SIZE);
+            let galley = painter.layout_no_wrap(words(cable), font, palette.text);
+            let size = galley.size() + Vec2::splat(2.0 * GRID);
+            let place = place(at, size, rect.shrink(GRID), taken);
+            let colour = palette.cable(*index);
+            let from = place.clamp(at);
+            painter.line_segment([from, at], Stroke::new(1.0, colour));
+            painter.rect_filled(place, 4.0, palette.panel);
+            painter.rect_stroke(place, 4.0, Stroke::new(1.0, colour), StrokeKind::Inside);
+            painter.galley(place.min + Vec2::splat(GRID), galley, palette.text);
+            taken.push(place);
         }
-        let font = FontId::proportional(SIZE);
-        let galley = painter.layout_no_wrap(words(cable), font, palette.text);
-        let size = galley.size() + Vec2::splat(2.0 * GRID);
-        let place = place(at, size, rect.shrink(GRID), taken);
-        let colour = palette.cable(*index);
-        let from = place.clamp(at);
-        painter.line_segment([from, at], Stroke::new(1.0, colour));
-        painter.rect_filled(place, 4.0, palette.panel);
-        painter.rect_stroke(place, 4.0, Stroke::new(1.0, colour), StrokeKind::Inside);
-        painter.galley(place.min + Vec2::splat(GRID), galley, palette.text);
-        taken.push(place);
     }
 }
 

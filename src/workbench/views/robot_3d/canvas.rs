@@ -11,7 +11,7 @@ use super::camera::{Camera, StandardView};
 use super::drawing::Drawing;
 use super::framebuffer::PixelBox;
 use super::gpu::{Gpu, PictureKey};
-use super::overlay;
+use super::overlay::Overlay;
 use super::picking::{Pickable, Picture};
 use super::toolbar::CameraRequest;
 use crate::model::Selection;
@@ -52,7 +52,7 @@ impl Canvas {
         ui: &Ui,
         rect: Rect,
         drawing: &Arc<Drawing>,
-        (number, moves): (u64, bool),
+        moves: bool,
         picture: &Picture<'_>,
         hovered: Selection,
     ) {
@@ -67,15 +67,21 @@ impl Canvas {
             return;
         }
         let scale = ui.pixels_per_point();
-        painter.add(self.callback(rect, drawing, (number, moves), picture.camera, scale));
-        overlay::paint(&painter, rect, picture, hovered, palette);
+        painter.add(self.callback(rect, drawing, moves, picture.camera, scale));
+        let overlay = Overlay {
+            painter: &painter,
+            rect,
+            picture,
+            palette,
+        };
+        overlay.paint(hovered);
     }
 
     fn callback(
         &self,
         rect: Rect,
         drawing: &Arc<Drawing>,
-        (number, moves): (u64, bool),
+        moves: bool,
         camera: &Camera,
         scale: f32,
     ) -> egui::PaintCallback {
@@ -92,7 +98,7 @@ impl Canvas {
                 part(info.clip_rect_in_pixels()),
             );
             let key = PictureKey {
-                drawing: number,
+                drawing: drawing.number,
                 camera,
                 size: [place.width, place.height].map(|side| side.max(1).unsigned_abs()),
                 scale,
@@ -132,7 +138,8 @@ pub fn steer(
     ui: &Ui,
     response: &Response,
     camera: &mut Camera,
-    (pivot, under): (Option<Vec3>, Option<Vec3>),
+    pivot: Option<Vec3>,
+    under: Option<Vec3>,
 ) {
     let rect = response.rect;
     let aspect = f64::from(rect.aspect_ratio());

@@ -189,7 +189,7 @@ impl FrameUniforms {
         let lamp = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
         let single = |v: nalgebra::Vector3<f64>| vec3(v.x as f32, v.y as f32, v.z as f32);
         Self {
-            camera: key.camera.on_card((centre, *radius), viewport),
+            camera: key.camera.on_card(centre, *radius, viewport),
             eye: single(key.camera.eye()),
             lamp: single(lamp),
             size: vec2(width as f32, height as f32),

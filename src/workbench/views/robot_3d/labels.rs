@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use egui::{Pos2, Rect, Vec2, vec2};
 
 use super::picking::Picture;
-use super::scene::{Besides, Wheel};
+use super::scene::{Reference, Wheel};
 
 /// Distances from the edge of a pulley that are tried for a label (points).
 const REACHES: [f32; 9] = [2.0, 14.0, 28.0, 44.0, 62.0, 84.0, 110.0, 140.0, 175.0];
@@ -91,11 +91,8 @@ pub fn pulleys(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
 /// Boxes along the arrows of displacements (points).
 fn arrows(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
     let magnification = picture.options.exaggeration_of(picture.scene);
-    let cables = picture
-        .scene
-        .cables
-        .iter()
-        .filter(|_| picture.options.arrows);
+    let cables = picture.scene.cables.iter();
+    let cables = cables.filter(|_| picture.options.arrows);
     let moved = cables.filter_map(|cable| cable.moved.as_ref());
     let along = moved.flat_map(|moved| {
         let place = |k: u8| moved.from + moved.by * (magnification * f64::from(k) / 8.0);
@@ -146,8 +143,8 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<LabelRequest> {
         let number = view.label.clone();
         let has_moved = view.moved.and_then(|moved| moved.moved) == Some(true);
         let other = placed.other.filter(|_| picture.options.nominal);
-        let wheels = match (other, scene.besides) {
-            (Some(other), Besides::Other(names)) if has_moved => vec![
+        let wheels = match (other, scene.reference) {
+            (Some(other), Reference::Other(names)) if has_moved => vec![
                 (placed.wheel, format!("{number} {}", names.first)),
                 (other, format!("{number} {}", names.second)),
             ],
@@ -221,7 +218,7 @@ mod tests {
     fn scene_of(name: &str, random: &mut ChaCha8Rng) -> Scene {
         let robot = presets::find(name).unwrap().robot;
         let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
-        scene.besides = Besides::Drawing;
+        scene.reference = Reference::Drawing;
         for cable in &mut scene.cables {
             let by = Vec3::from_fn(|_, _| random.random_range(-5e-3..5e-3));
             cable.nominal = Some(cable.wheel);
@@ -338,7 +335,7 @@ mod tests {
     #[test]
     fn both_places_of_a_pulley_that_moved_are_labelled() {
         let mut scene = scene_of("mini", &mut ChaCha8Rng::seed_from_u64(1));
-        scene.besides = Besides::Other(SideNames {
+        scene.reference = Reference::Other(SideNames {
             first: "A",
             second: "B",
         });

@@ -47,7 +47,7 @@ use crate::model::part::ScreenPart;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID};
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 
 /// Time without motion of camera and platform before the picture is rendered in full quality (s).
 const REST_S: f64 = 0.1;
@@ -194,8 +194,11 @@ impl Robot3d {
             Arc::default()
         };
         let options = &self.options;
-        let drawing = Arc::new(Drawing::with_poses(poses, scene, options, selection, theme));
         self.drawings += 1;
+        let drawing = Arc::new(Drawing {
+            number: self.drawings,
+            ..Drawing::with_poses(poses, scene, options, selection, theme)
+        });
         self.drawing = Some((Arc::clone(scene), key, Arc::clone(&drawing)));
         drawing
     }
@@ -223,21 +226,19 @@ impl Robot3d {
 pub fn show(
     ui: &mut Ui,
     model: &Model,
-    (view, hovered): (&mut Robot3d, &mut Selection),
+    view: &mut Robot3d,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {
-        empty(
-            ui,
-            "The robot appears here once a session, a robot or a dataset is open.",
-        );
+        ui.empty("The robot appears here once a session, a robot or a dataset is open.");
         return;
     };
     view.inspect(None);
     let scene = view.scene_of(ui, model, open);
     let mut maximise = false;
     let button = model.maximised.is_none().then_some(&mut maximise);
-    let aim = view.toolbar(ui, &scene, (model.selection, button));
+    let aim = view.toolbar(ui, &scene, model.selection, button);
     if maximise {
         outbox.send(ViewCommand::Maximise(Some(ScreenPart::Robot)));
     }
@@ -248,11 +249,16 @@ pub fn show(
 /// Draws the inspected pulley, with everything else faded.
 pub fn inspect(
     ui: &mut Ui,
-    (model, open): (&Model, &OpenSession),
+    model: &Model,
     cable: usize,
-    (view, hovered): (&mut Robot3d, &mut Selection),
-    (aim, outbox): (Option<CameraRequest>, &mut Outbox),
+    view: &mut Robot3d,
+    hovered: &mut Selection,
+    aim: Option<CameraRequest>,
+    outbox: &mut Outbox,
 ) {
+    let Some(open) = &model.open else {
+        return;
+    };
     view.inspect(Some(cable));
     let scene = view.scene_of(ui, model, open);
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
@@ -264,10 +270,11 @@ pub fn show_beside(
     ui: &mut Ui,
     scene: &Arc<Scene>,
     selection: Selection,
-    (view, hovered): (&mut Robot3d, &mut Selection),
+    view: &mut Robot3d,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
-    let aim = view.toolbar(ui, scene, (selection, None));
+    let aim = view.toolbar(ui, scene, selection, None);
     let mut touched = view.show(ui, scene, aim, selection, hovered);
     if let Some(cable) = touched.inspected.take() {
         view.frame(cable);
@@ -323,7 +330,8 @@ impl Robot3d {
         &mut self,
         ui: &mut Ui,
         scene: &Scene,
-        (selection, maximise): (Selection, Option<&mut bool>),
+        selection: Selection,
+        maximise: Option<&mut bool>,
     ) -> Option<CameraRequest> {
         let mut aim = None;
         let projection = self
@@ -335,8 +343,8 @@ impl Robot3d {
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
-                let state = (projection, can_frame, maximise);
-                aim = toolbar::show(ui, &mut self.options, scene, state);
+                let options = &mut self.options;
+                aim = toolbar::show(ui, options, scene, projection, can_frame, maximise);
             });
         // The picture begins directly below the toolbar, without a strip of another colour.
         ui.add_space(-ui.spacing().item_spacing.y);
@@ -383,14 +391,9 @@ impl Robot3d {
         };
         let thing = canvas::under_pointer(&response, &picture);
         let found = canvas::found_pulley(&response, &picture);
-        self.canvas.paint(
-            ui,
-            rect,
-            &drawing,
-            (self.drawings, left_s.is_some()),
-            &picture,
-            *hovered,
-        );
+        let moves = left_s.is_some();
+        self.canvas
+            .paint(ui, rect, &drawing, moves, &picture, *hovered);
         if let Some(thing) = thing {
             response
                 .clone()
@@ -447,7 +450,7 @@ impl Robot3d {
         let tips = self.options.tips(scene);
         let magnification = self.options.exaggeration_of(scene);
         let navigation = &mut self.navigation;
-        let camera = navigation.aim(ui, (scene, magnification), tips, aim, aspect);
+        let camera = navigation.aim(ui, scene, magnification, tips, aim, aspect);
         let picture = Picture {
             scene,
             options: &self.options,
@@ -463,7 +466,7 @@ impl Robot3d {
         if response.double_clicked() && is_empty() {
             let tips = self.options.tips(scene);
             let all = Some(CameraRequest::All);
-            navigation.aim(ui, (scene, magnification), tips, all, aspect);
+            navigation.aim(ui, scene, magnification, tips, all, aspect);
         } else {
             navigation.steer(ui, response, under);
         }

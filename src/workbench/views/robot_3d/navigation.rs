@@ -85,7 +85,8 @@ impl Navigation {
     pub fn aim(
         &mut self,
         ui: &Ui,
-        (scene, magnification): (&Scene, f64),
+        scene: &Scene,
+        magnification: f64,
         tips: Vec<Vec3>,
         aim: Option<CameraRequest>,
         aspect: f64,
@@ -114,7 +115,7 @@ impl Navigation {
         }
         let time_s = ui.input(|input| input.time);
         if let Some(goal) = self.goal.take() {
-            let end = self.end(goal, &camera, (scene, magnification), aspect);
+            let end = self.end(goal, &camera, scene, magnification, aspect);
             self.flight = Some(Flight::new(camera, end, time_s));
         }
         if let Some(flight) = &self.flight {
@@ -135,7 +136,8 @@ impl Navigation {
         &mut self,
         goal: Goal,
         camera: &Camera,
-        (scene, magnification): (&Scene, f64),
+        scene: &Scene,
+        magnification: f64,
         aspect: f64,
     ) -> Camera {
         let mut end = *camera;
@@ -176,7 +178,7 @@ impl Navigation {
         if response.drag_started() {
             self.pivot = under;
         }
-        canvas::steer(ui, response, camera, (self.pivot, under));
+        canvas::steer(ui, response, camera, self.pivot, under);
         let is_moved = *camera != before;
         if is_moved {
             self.flight = None;

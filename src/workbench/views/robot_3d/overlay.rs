@@ -4,8 +4,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, po
 
 use super::drawing::{Band, Options, is_drawn};
 use super::picking::{OnScreen, Picture};
-use super::scene::Besides;
-use super::{callout, labels, legend, words};
+use super::scene::Reference;
+use super::{labels, words};
 use crate::model::Selection;
 use crate::theme::{self, GRID, Palette};
 use tautline_workflow::plot::round::round_down;
@@ -21,27 +21,190 @@ const HIGH: f32 = 260.0;
 /// Height of the picture (points) up to which there is no room for the axes below the text.
 const LOW: f32 = 120.0;
 
-/// Draws the annotations over the picture in `rect`.
-pub fn paint(
-    painter: &Painter,
-    rect: Rect,
-    picture: &Picture<'_>,
-    hovered: Selection,
-    palette: &Palette,
-) {
-    highlight(painter, rect, picture, hovered, palette);
-    let mut taken = captions(painter, rect, picture, palette);
-    if rect.height() > LOW {
-        taken.push(triad(painter, rect, picture, palette));
+/// What is drawn over the picture of the robot, and with what.
+pub struct Overlay<'a> {
+    pub painter: &'a Painter,
+    pub rect: Rect,
+    pub picture: &'a Picture<'a>,
+    pub palette: &'a Palette,
+}
+
+impl Overlay<'_> {
+    /// Muted text; returns its rectangle.
+    pub(super) fn text(&self, at: Pos2, anchor: Align2, text: impl ToString) -> Rect {
+        let palette = self.palette;
+        let (colour, ground) = (palette.muted, behind(palette));
+        text_on(self.painter, at, anchor, text.to_string(), colour, ground)
     }
-    taken.push(scale(painter, rect, picture, palette));
-    taken.extend(legend::paint(painter, rect, picture, palette));
-    if picture.options.callouts && picture.options.inspected.is_none() {
-        taken.extend(labels::pulleys(picture, rect));
-        callout::paint(painter, rect, picture, &mut taken, palette);
+
+    /// Draws the annotations over the picture in `rect`.
+    pub fn paint(&self, hovered: Selection) {
+        let (rect, picture) = (self.rect, self.picture);
+        self.highlight(hovered);
+        let mut taken = self.captions();
+        if rect.height() > LOW {
+            taken.push(self.triad());
+        }
+        taken.push(self.scale());
+        taken.extend(self.legends());
+        if picture.options.callouts && picture.options.inspected.is_none() {
+            taken.extend(labels::pulleys(picture, rect));
+            self.callouts(&mut taken);
+        }
+        if picture.options.labels {
+            self.numbers(hovered, &taken);
+        }
     }
-    if picture.options.labels {
-        numbers(painter, rect, picture, (hovered, &taken), palette);
+
+    /// Highlights the cable and the pose under the pointer, in this or another view.
+    fn highlight(&self, hovered: Selection) {
+        let (painter, rect, picture, palette) =
+            (self.painter, self.rect, self.picture, self.palette);
+        if let Some(index) = hovered.cable {
+            let placed = picture.placed(index);
+            let points: Option<Vec<Pos2>> = placed
+                .path
+                .iter()
+                .map(|p| Some(place(rect, &picture.on_screen(p)?)))
+                .collect();
+            let stroke = Stroke::new(1.5, palette.text);
+            painter.extend(points.map(|points| Shape::line(points, stroke)));
+        }
+        let pose = |label| picture.scene.measured.iter().find(|p| p.label == label);
+        if let Some(pose) = hovered.pose.and_then(pose)
+            && let Some(seen) = picture.on_screen(&pose.position)
+        {
+            painter.circle_stroke(place(rect, &seen), 8.0, Stroke::new(1.5, palette.text));
+        }
+    }
+
+    /// Draws the cable numbers beside their pulleys; they hide nothing.
+    fn numbers(&self, hovered: Selection, taken: &[Rect]) {
+        let (painter, picture, palette) = (self.painter, self.picture, self.palette);
+        let font = theme::strong(13.0);
+        let galley =
+            |text: &str, colour| painter.layout_no_wrap(text.to_owned(), font.clone(), colour);
+        let size = |text: &str| galley(text, palette.text).size();
+        for label in labels::labels(picture, self.rect, taken, size) {
+            let is_hovered = hovered.cable == Some(label.cable);
+            let fades = picture.options.fades(picture.scene, label.cable);
+            let colour = match (is_hovered, fades) {
+                (true, _) => palette.text,
+                (false, true) => palette.muted,
+                (false, false) => palette.cable(label.cable),
+            };
+            if label.has_leader {
+                let from = label.rect.clamp(label.at);
+                painter.line_segment([from, label.at], Stroke::new(1.0, colour));
+            }
+            painter.rect_filled(label.rect, 3.0, behind(palette));
+            let galley = galley(&label.text, colour);
+            let at = label.rect.center() - galley.size() / 2.0;
+            painter.galley(at, galley, colour);
+        }
+    }
+
+    /// Draws the shown pose and the exaggeration; returns the rectangles of the texts.
+    fn captions(&self) -> Vec<Rect> {
+        let (rect, picture) = (self.rect, self.picture);
+        let at = rect.left_top() + vec2(3.0 * GRID, 2.0 * GRID);
+        let Options {
+            arrows, ellipsoids, ..
+        } = *picture.options;
+        let exaggeration = picture.options.exaggeration_of(picture.scene);
+        let first = self.text(at, Align2::LEFT_TOP, words::shown(picture.scene));
+        if picture.scene.reference == Reference::Nothing {
+            return vec![first];
+        }
+        if picture.options.inspected.is_some() {
+            let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
+            let scale = "True to scale, nominal in grey";
+            let second = self.text(below, Align2::LEFT_TOP, scale);
+            return vec![first, second];
+        }
+        let mut parts = vec!["pulleys"];
+        parts.extend(arrows.then_some("arrows"));
+        parts.extend(ellipsoids.then_some("95 % ellipsoids"));
+        let is_judged = is_drawn(Band::Tolerance, picture.scene, picture.options);
+        parts.extend(is_judged.then_some("tolerances"));
+        let parts = list(&parts);
+        // In two lines if one would cover the robot.
+        let after = if rect.width() < 2.0 * WIDE {
+            ":\n"
+        } else {
+            ": "
+        };
+        let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
+        let (mut size, short) = match exaggeration > 1.0 {
+            true => (
+                format!("Displacements magnified {exaggeration:.0}×{after}{parts}"),
+                format!("Displacements {exaggeration:.0}×"),
+            ),
+            false => (
+                format!("Displacements true to scale{after}{parts}"),
+                "Displacements true to scale".to_owned(),
+            ),
+        };
+        let font = FontId::proportional(SMALL);
+        let words = self
+            .painter
+            .layout_no_wrap(size.clone(), font, self.palette.muted);
+        let place = Rect::from_min_size(below, words.size());
+        let mut pulleys = labels::pulleys(picture, rect).into_iter();
+        // In a low picture, or over a pulley, only the factor without its subject.
+        if rect.height() < HIGH || pulleys.any(|pulley| pulley.intersects(place)) {
+            size = short;
+        }
+        let second = self.text(below, Align2::LEFT_TOP, size);
+        vec![first, second]
+    }
+
+    /// Draws the axes of the base frame; returns their rectangle.
+    fn triad(&self) -> Rect {
+        let (painter, palette) = (self.painter, self.palette);
+        let centre = self.rect.left_bottom() + vec2(9.0 * GRID, -9.0 * GRID);
+        let [right, up, forward] = self.picture.camera.axes();
+        let mut axes = [0, 1, 2];
+        // Axes pointing away first, so that nearer ones cover them.
+        axes.sort_by(|a, b| forward[*b].total_cmp(&forward[*a]));
+        for axis in axes {
+            let tip = vec2(right[axis] as f32, -up[axis] as f32) * 22.0;
+            painter.line_segment([centre, centre + tip], Stroke::new(2.0, palette.axes[axis]));
+            if tip.length() > 5.0 {
+                let name = ["x", "y", "z"][axis];
+                let at = centre + tip + tip.normalized() * 7.0;
+                let (colour, ground) = (palette.text, Color32::TRANSPARENT);
+                let anchor = Align2::CENTER_CENTER;
+                text_on(painter, at, anchor, name.to_owned(), colour, ground);
+            }
+        }
+        Rect::from_center_size(centre, Vec2::splat(64.0))
+    }
+
+    /// Draws a scale bar at the depth of the target point, and the spacing of the floor's grid; returns their rectangle.
+    fn scale(&self) -> Rect {
+        let (painter, rect, picture) = (self.painter, self.rect, self.picture);
+        let per_metre = picture.size[1] / picture.camera.height_m();
+        let length = round_down(110.0 / per_metre);
+        let width = (length * per_metre) as f32;
+        let left = rect.left_bottom() + vec2(19.0 * GRID, -3.0 * GRID);
+        let right = left + vec2(width, 0.0);
+        let stroke = Stroke::new(1.5, self.palette.muted);
+        painter.line_segment([left, right], stroke);
+        for end in [left, right] {
+            painter.line_segment([end - vec2(0.0, 3.0), end + vec2(0.0, 3.0)], stroke);
+        }
+        let above = pos2((left.x + right.x) / 2.0, left.y - 5.0);
+        let number = self.text(above, Align2::CENTER_BOTTOM, metres(length));
+        let drawn = number.union(Rect::from_two_pos(left, right));
+        // Legends are at the other end.
+        if rect.width() < WIDE {
+            return drawn;
+        }
+        let grid = format!("Grid {}", metres(picture.scene.frame.floor.spacing_m));
+        let beside = right + vec2(4.0 * GRID, 4.0);
+        let grid = self.text(beside, Align2::LEFT_BOTTOM, grid);
+        drawn.union(grid)
     }
 }
 
@@ -49,194 +212,25 @@ fn place(rect: Rect, seen: &OnScreen) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
-/// Draws a text on its own background, readable over the robot; returns its rectangle.
-pub(super) fn text(
+/// Text on a ground of its own; returns its rectangle.
+fn text_on(
     painter: &Painter,
     at: Pos2,
     anchor: Align2,
-    text: impl ToString,
-    (colour, ground): (Color32, Color32),
+    text: String,
+    colour: Color32,
+    ground: Color32,
 ) -> Rect {
     let font = FontId::proportional(SMALL);
-    let galley = painter.layout_no_wrap(text.to_string(), font, colour);
+    let galley = painter.layout_no_wrap(text, font, colour);
     let rect = anchor.anchor_size(at, galley.size());
     painter.rect_filled(rect.expand2(vec2(2.0, 0.0)), 3.0, ground);
     painter.galley(rect.min, galley, colour);
     rect
 }
 
-/// Colours of less important text and its background.
-pub(super) fn quiet(palette: &Palette) -> (Color32, Color32) {
-    (palette.muted, behind(palette))
-}
-
 fn behind(palette: &Palette) -> Color32 {
     palette.ground.gamma_multiply(0.72)
-}
-
-/// Highlights the cable and the pose under the pointer, in this or another view.
-fn highlight(
-    painter: &Painter,
-    rect: Rect,
-    picture: &Picture<'_>,
-    hovered: Selection,
-    palette: &Palette,
-) {
-    if let Some(index) = hovered.cable {
-        let placed = picture.placed(index);
-        let points: Option<Vec<Pos2>> = placed
-            .path
-            .iter()
-            .map(|p| Some(place(rect, &picture.on_screen(p)?)))
-            .collect();
-        let stroke = Stroke::new(1.5, palette.text);
-        painter.extend(points.map(|points| Shape::line(points, stroke)));
-    }
-    let pose = |label| picture.scene.measured.iter().find(|p| p.label == label);
-    if let Some(pose) = hovered.pose.and_then(pose)
-        && let Some(seen) = picture.on_screen(&pose.position)
-    {
-        painter.circle_stroke(place(rect, &seen), 8.0, Stroke::new(1.5, palette.text));
-    }
-}
-
-/// Draws the cable numbers beside their pulleys; they hide nothing.
-fn numbers(
-    painter: &Painter,
-    rect: Rect,
-    picture: &Picture<'_>,
-    (hovered, taken): (Selection, &[Rect]),
-    palette: &Palette,
-) {
-    let font = theme::strong(13.0);
-    let galley = |text: &str, colour| painter.layout_no_wrap(text.to_owned(), font.clone(), colour);
-    let size = |text: &str| galley(text, palette.text).size();
-    for label in labels::labels(picture, rect, taken, size) {
-        let is_hovered = hovered.cable == Some(label.cable);
-        let fades = picture.options.fades(picture.scene, label.cable);
-        let colour = match (is_hovered, fades) {
-            (true, _) => palette.text,
-            (false, true) => palette.muted,
-            (false, false) => palette.cable(label.cable),
-        };
-        if label.has_leader {
-            let from = label.rect.clamp(label.at);
-            painter.line_segment([from, label.at], Stroke::new(1.0, colour));
-        }
-        painter.rect_filled(label.rect, 3.0, behind(palette));
-        let galley = galley(&label.text, colour);
-        let at = label.rect.center() - galley.size() / 2.0;
-        painter.galley(at, galley, colour);
-    }
-}
-
-/// Draws the shown pose and the exaggeration; returns the rectangles of the texts.
-fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
-    let at = rect.left_top() + vec2(3.0 * GRID, 2.0 * GRID);
-    let Options {
-        arrows, ellipsoids, ..
-    } = *picture.options;
-    let exaggeration = picture.options.exaggeration_of(picture.scene);
-    let first = text(
-        painter,
-        at,
-        Align2::LEFT_TOP,
-        words::shown(picture.scene),
-        quiet(palette),
-    );
-    if picture.scene.besides == Besides::Nothing {
-        return vec![first];
-    }
-    if picture.options.inspected.is_some() {
-        let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
-        let scale = "True to scale, nominal in grey";
-        let second = text(painter, below, Align2::LEFT_TOP, scale, quiet(palette));
-        return vec![first, second];
-    }
-    let mut parts = vec!["pulleys"];
-    parts.extend(arrows.then_some("arrows"));
-    parts.extend(ellipsoids.then_some("95 % ellipsoids"));
-    let is_judged = is_drawn(Band::Tolerance, picture.scene, picture.options);
-    parts.extend(is_judged.then_some("tolerances"));
-    let parts = list(&parts);
-    // In two lines if one would cover the robot.
-    let after = if rect.width() < 2.0 * WIDE {
-        ":\n"
-    } else {
-        ": "
-    };
-    let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
-    let (mut size, short) = match exaggeration > 1.0 {
-        true => (
-            format!("Displacements magnified {exaggeration:.0}×{after}{parts}"),
-            format!("Displacements {exaggeration:.0}×"),
-        ),
-        false => (
-            format!("Displacements true to scale{after}{parts}"),
-            "Displacements true to scale".to_owned(),
-        ),
-    };
-    let font = FontId::proportional(SMALL);
-    let words = painter.layout_no_wrap(size.clone(), font, palette.muted);
-    let place = Rect::from_min_size(below, words.size());
-    let mut pulleys = labels::pulleys(picture, rect).into_iter();
-    // In a low picture, or over a pulley, only the factor without its subject.
-    if rect.height() < HIGH || pulleys.any(|pulley| pulley.intersects(place)) {
-        size = short;
-    }
-    let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
-    vec![first, second]
-}
-
-/// Draws the axes of the base frame; returns their rectangle.
-fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
-    let centre = rect.left_bottom() + vec2(9.0 * GRID, -9.0 * GRID);
-    let [right, up, forward] = picture.camera.axes();
-    let mut axes = [0, 1, 2];
-    // Axes pointing away first, so that nearer ones cover them.
-    axes.sort_by(|a, b| forward[*b].total_cmp(&forward[*a]));
-    for axis in axes {
-        let tip = vec2(right[axis] as f32, -up[axis] as f32) * 22.0;
-        painter.line_segment([centre, centre + tip], Stroke::new(2.0, palette.axes[axis]));
-        if tip.length() > 5.0 {
-            let name = ["x", "y", "z"][axis];
-            let at = centre + tip + tip.normalized() * 7.0;
-            let colours = (palette.text, Color32::TRANSPARENT);
-            text(painter, at, Align2::CENTER_CENTER, name, colours);
-        }
-    }
-    Rect::from_center_size(centre, Vec2::splat(64.0))
-}
-
-/// Draws a scale bar at the depth of the target point, and the spacing of the floor's grid; returns their rectangle.
-fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
-    let per_metre = picture.size[1] / picture.camera.height_m();
-    let length = round_down(110.0 / per_metre);
-    let width = (length * per_metre) as f32;
-    let left = rect.left_bottom() + vec2(19.0 * GRID, -3.0 * GRID);
-    let right = left + vec2(width, 0.0);
-    let stroke = Stroke::new(1.5, palette.muted);
-    painter.line_segment([left, right], stroke);
-    for end in [left, right] {
-        painter.line_segment([end - vec2(0.0, 3.0), end + vec2(0.0, 3.0)], stroke);
-    }
-    let above = pos2((left.x + right.x) / 2.0, left.y - 5.0);
-    let number = text(
-        painter,
-        above,
-        Align2::CENTER_BOTTOM,
-        metres(length),
-        quiet(palette),
-    );
-    let drawn = number.union(Rect::from_two_pos(left, right));
-    // Legends are at the other end.
-    if rect.width() < WIDE {
-        return drawn;
-    }
-    let grid = format!("Grid {}", metres(picture.scene.frame.floor.spacing_m));
-    let beside = right + vec2(4.0 * GRID, 4.0);
-    let grid = text(painter, beside, Align2::LEFT_BOTTOM, grid, quiet(palette));
-    drawn.union(grid)
 }
 
 fn metres(length: f64) -> String {
@@ -266,7 +260,7 @@ pub(super) mod tests {
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
         let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
-        scene.besides = Besides::Drawing;
+        scene.reference = Reference::Drawing;
         let pose = MeasuredPose {
             label: 1,
             position: Vec3::zeros(),
@@ -279,7 +273,7 @@ pub(super) mod tests {
     /// Runs `draw` over a picture of this size (points).
     pub fn in_picture<T: Clone + Send + 'static>(
         [width, height]: [f32; 2],
-        draw: impl Fn(&Painter, Rect, &Picture<'_>, &Palette) -> T + 'static,
+        draw: impl Fn(&Overlay<'_>) -> T + 'static,
     ) -> T {
         let drawn = Arc::new(Mutex::new(None));
         let (seen, scene) = (Arc::clone(&drawn), scene());
@@ -299,7 +293,12 @@ pub(super) mod tests {
                 size: [width, height].map(f64::from),
             };
             let rect = ui.ctx().content_rect();
-            let what = draw(&ui.painter_at(rect), rect, &picture, theme::of(ui));
+            let what = draw(&Overlay {
+                painter: &ui.painter_at(rect),
+                rect,
+                picture: &picture,
+                palette: theme::of(ui),
+            });
             *seen.lock().expect("one thread") = Some(what);
         };
         let size = vec2(width, height);
@@ -317,9 +316,9 @@ pub(super) mod tests {
             [632.0, 376.0],
             [900.0, 600.0],
         ] {
-            let (words, pulleys) = in_picture(size, |painter, rect, picture, palette| {
-                let words = captions(painter, rect, picture, palette);
-                (words, labels::pulleys(picture, rect))
+            let (words, pulleys) = in_picture(size, |overlay| {
+                let pulleys = labels::pulleys(overlay.picture, overlay.rect);
+                (overlay.captions(), pulleys)
             });
             for pulley in &pulleys {
                 let covers = |words: &Rect| words.intersects(*pulley);

@@ -88,8 +88,8 @@ impl Picture<'_> {
     /// Nearest point of the drawing at `(x, y)` (m).
     #[must_use]
     pub fn met(&self, drawing: &Drawing, x: f64, y: f64) -> Option<Vec3> {
-        let at = (x / self.size[0], y / self.size[1]);
-        let ray = self.camera.ray(at, self.aspect());
+        let (u, v) = (x / self.size[0], y / self.size[1]);
+        let ray = self.camera.ray(u, v, self.aspect());
         let steepness = ray.direction.dot(&self.camera.axes()[2]);
         let surface = surface::met(drawing, &ray).map(|point| (point - ray.origin).norm());
         // Cables and poses have no surface.
@@ -123,8 +123,8 @@ impl Picture<'_> {
     }
 
     fn nearest(&self, x: f64, y: f64) -> Option<Hit> {
-        let at = (x / self.size[0], y / self.size[1]);
-        let ray = self.camera.ray(at, self.aspect());
+        let (u, v) = (x / self.size[0], y / self.size[1]);
+        let ray = self.camera.ray(u, v, self.aspect());
         let forward = self.camera.axes()[2];
         let mut hits = Vec::new();
         self.pick_platform(&ray, &forward, &mut hits);

@@ -5,8 +5,8 @@ use egui_material_icons::icons;
 
 use super::camera::{Projection, StandardView};
 use super::drawing::{ArrowColour, CableColour, FrameLook, Options};
-use super::scene::{Besides, Scene};
-use crate::widgets::{checkbox, icon_only, muted};
+use super::scene::{Reference, Scene};
+use crate::widgets::{UiExt, checkbox, icon_only};
 
 /// Width of the slider with its number (points).
 const EXAGGERATION: f32 = 240.0;
@@ -38,9 +38,11 @@ pub fn show(
     ui: &mut Ui,
     options: &mut Options,
     scene: &Scene,
-    (projection, can_frame, maximise): (Projection, bool, Option<&mut bool>),
+    projection: Projection,
+    can_frame: bool,
+    maximise: Option<&mut bool>,
 ) -> Option<CameraRequest> {
-    let besides = scene.besides;
+    let reference = scene.reference;
     let mut aim = None;
     let width = ui.available_width();
     let is_wide = width > WIDE;
@@ -63,7 +65,7 @@ pub fn show(
         }
         if width > MEDIUM {
             ui.separator();
-            muted(ui, "Colour");
+            ui.muted("Colour");
             colours(ui, options);
         } else {
             let name = format!("Colour: {}", options.colour.title());
@@ -75,11 +77,11 @@ pub fn show(
         }
         ui.menu_button("Show", |ui| {
             parts(ui, options, scene);
-            if besides != Besides::Nothing && !is_wide {
+            if reference != Reference::Nothing && !is_wide {
                 exaggeration(ui, options, scene);
             }
         });
-        if besides != Besides::Nothing && is_wide {
+        if reference != Reference::Nothing && is_wide {
             exaggeration(ui, options, scene);
         }
     });
@@ -127,7 +129,7 @@ fn colours(ui: &mut Ui, options: &mut Options) {
 }
 
 fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
-    let besides = scene.besides;
+    let reference = scene.reference;
     checkbox(ui, &mut options.labels, "Cable numbers");
     checkbox(ui, &mut options.poses, "Poses");
     checkbox(ui, &mut options.callouts, "Pinned coordinates")
@@ -142,9 +144,9 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     }
     checkbox(ui, &mut options.errors, "Position errors")
         .on_hover_text("Errors of position before and after the adjustment, in phase 5");
-    let pulleys = match besides {
-        Besides::Other(names) => &format!("Pulleys of {}", names.second),
-        Besides::Drawing | Besides::Nothing => "Nominal pulleys",
+    let pulleys = match reference {
+        Reference::Other(names) => &format!("Pulleys of {}", names.second),
+        Reference::Drawing | Reference::Nothing => "Nominal pulleys",
     };
     let of_identification = [
         (&mut options.nominal, pulleys),
@@ -152,14 +154,16 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
         (&mut options.ellipsoids, "95 % confidence ellipsoids"),
     ];
     for (shown, name) in of_identification {
-        ui.add_enabled_ui(besides != Besides::Nothing, |ui| checkbox(ui, shown, name))
-            .inner
-            .on_disabled_hover_text("Available after identification");
+        ui.add_enabled_ui(reference != Reference::Nothing, |ui| {
+            checkbox(ui, shown, name)
+        })
+        .inner
+        .on_disabled_hover_text("Available after identification");
     }
     ui.separator();
-    if besides != Besides::Nothing {
+    if reference != Reference::Nothing {
         ui.horizontal(|ui| {
-            muted(ui, "Displacements by");
+            ui.muted("Displacements by");
             for by in ArrowColour::ALL {
                 let known = by != ArrowColour::Tolerance || scene.tolerance_m.is_some();
                 let is_chosen = options.arrow_colour_of(scene) == by;
@@ -173,7 +177,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
         });
     }
     ui.horizontal(|ui| {
-        muted(ui, "Frame");
+        ui.muted("Frame");
         for look in FrameLook::ALL {
             let button = ui.selectable_value(&mut options.frame, look, look.title());
             button.widget_info(|| {

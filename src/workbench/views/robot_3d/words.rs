@@ -1,7 +1,7 @@
 //! Tooltips of the 3D view.
 
 use super::picking::Pickable;
-use super::scene::{Besides, Residual, Scene, ShownPose, SideNames};
+use super::scene::{Reference, Residual, Scene, ShownPose, SideNames};
 use tautline_core::geometry::Vec3;
 use tautline_workflow::wording::units::{mm, signed};
 
@@ -21,11 +21,11 @@ pub fn describe(scene: &Scene, thing: Pickable) -> String {
 #[must_use]
 pub fn shown(scene: &Scene) -> String {
     let shown = pose_shown(scene);
-    match scene.besides {
-        Besides::Other(SideNames { first, second }) => {
+    match scene.reference {
+        Reference::Other(SideNames { first, second }) => {
             format!("{shown}: {first} solid, {second} transparent")
         }
-        Besides::Drawing | Besides::Nothing => shown,
+        Reference::Drawing | Reference::Nothing => shown,
     }
 }
 
@@ -74,9 +74,11 @@ fn pulley(scene: &Scene, index: usize) -> String {
     );
     if let Some(moved) = &cable.moved {
         let length = moved.by.norm() * 1e3;
-        text += &match scene.besides {
-            Besides::Other(names) => format!("\n{length:.2} mm away in {}", names.second),
-            Besides::Drawing | Besides::Nothing => format!("\n{length:.2} mm from nominal"),
+        text += &match scene.reference {
+            Reference::Other(names) => format!("\n{length:.2} mm away in {}", names.second),
+            Reference::Drawing | Reference::Nothing => {
+                format!("\n{length:.2} mm from nominal")
+            }
         };
         if let Some(covariance) = moved.covariance {
             let sd = covariance.diagonal().map(|v| v.max(0.0).sqrt() * 1e3);

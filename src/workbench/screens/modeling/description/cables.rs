@@ -9,7 +9,7 @@ use super::field::{change, put};
 use crate::screens::bench_panel::Bench;
 use crate::screens::modeling::cable_table::{COLUMNS, CableTable, Empty, is_block};
 use crate::theme::{self, GRID};
-use crate::widgets::{Entered, Number, icon_button, muted, number, section, width_of};
+use crate::widgets::{Entered, Number, UiExt, icon_button, number, width_of};
 
 /// Height of a row of the table (points).
 const ROW: f32 = 6.5 * GRID;
@@ -22,7 +22,7 @@ pub(crate) type FocusedCell = Option<(usize, usize)>;
 pub(crate) type Edited = Result<(CableTable, String), String>;
 
 pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell) {
-    section(ui, "Cables");
+    ui.section("Cables");
     let table = CableTable::of(bench.robot());
     match grid(ui, &table, focused, false) {
         Some(Ok((table, what))) => match table.applied_to(bench.robot()) {
@@ -42,10 +42,7 @@ pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell
 }
 
 pub(crate) fn hints(ui: &mut Ui) {
-    muted(
-        ui,
-        "Pulley: where the cable reaches it, and the direction in which it comes from the winch (swivel axis), along x, y and z of the base frame in the 3D view. Anchor: in the frame of the platform. Cells of a spreadsheet are pasted at the selected cell, to the right and below.",
-    );
+    ui.muted("Pulley: where the cable reaches it, and the direction in which it comes from the winch (swivel axis), along x, y and z of the base frame in the 3D view. Anchor: in the frame of the platform. Cells of a spreadsheet are pasted at the selected cell, to the right and below.");
 }
 
 /// Draws the table, with a fixed column of names. `may_lack` allows required numbers to be empty.
@@ -56,7 +53,7 @@ pub(crate) fn grid(
     may_lack: bool,
 ) -> Option<Edited> {
     focused.take_if(|(row, _)| *row >= table.names.len());
-    let mut edited = focused.and_then(|cell| paste(ui, table, cell, may_lack));
+    let mut edited = focused.and_then(|cell| paste(ui, table, cell.into(), may_lack));
     *focused = None;
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing = Vec2::new(2.0 * GRID, 0.0);
@@ -194,7 +191,7 @@ fn numbers(
             continue;
         }
         let name = format!("{} of all cables", column.title);
-        if let Some(entered) = cell(ui, &name, (k, widths[k]), table.common(k), may_lack).0 {
+        if let Some(entered) = cell(ui, &name, k, widths[k], table.common(k), may_lack).0 {
             edited = Some(entered.map(|value| {
                 let mut table = table.clone();
                 table.set_all(k, value);
@@ -206,7 +203,7 @@ fn numbers(
     for (row, values) in table.cells.iter().enumerate() {
         for (k, value) in values.iter().enumerate() {
             let name = table.cell_name(row, k);
-            let (entered, has_focus) = cell(ui, &name, (k, widths[k]), *value, may_lack);
+            let (entered, has_focus) = cell(ui, &name, k, widths[k], *value, may_lack);
             if has_focus {
                 *focused = Some((row, k));
             }
@@ -236,19 +233,14 @@ fn width(ui: &Ui, table: &CableTable, column: usize) -> f32 {
 fn cell(
     ui: &mut Ui,
     name: &str,
-    (column, width): (usize, f32),
+    column: usize,
+    width: f32,
     value: Option<f64>,
     may_lack: bool,
 ) -> (Option<Result<Option<f64>, String>>, bool) {
     let column = &COLUMNS[column];
-    let field = Number {
-        name,
-        value,
-        decimals: column.decimals,
-        unit: "",
-        optional: may_lack || column.empty != Empty::Missing,
-        width,
-    };
+    let field = Number::of(name, value, column.decimals, "", width)
+        .optional(may_lack || column.empty != Empty::Missing);
     let entered = number(ui, &field).map(|entered| match entered {
         Entered::Value(value) => Ok(Some(value)),
         Entered::Nothing => Ok(None),
@@ -258,7 +250,7 @@ fn cell(
 }
 
 /// Handles a pasted block of cells before the text field of the focused cell receives it.
-fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> Option<Edited> {
+fn paste(ui: &Ui, table: &CableTable, [row, column]: [usize; 2], may_lack: bool) -> Option<Edited> {
     let mut pasted = None;
     ui.input_mut(|input| {
         input.events.retain_mut(|event| match event {
@@ -270,7 +262,7 @@ fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> O
         });
     });
     let mut table = table.clone();
-    let done = table.paste(cell, &pasted?, may_lack);
+    let done = table.paste(row, column, &pasted?, may_lack);
     Some(done.map(|cells| (table, format!("paste {}", count(cells, "cell")))))
 }
 
@@ -298,9 +290,6 @@ fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
         }
     });
     if !is_free {
-        muted(
-            ui,
-            "The session has measured poses: the number of cables is fixed.",
-        );
+        ui.muted("The session has measured poses: the number of cables is fixed.");
     }
 }

@@ -6,32 +6,24 @@ use tautline_core::robot::{Home, Robot};
 
 use super::field::{NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{checkbox, muted, section};
+use crate::widgets::{UiExt, checkbox};
 
 pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Platform");
+    ui.section("Platform");
     let platform = &bench.robot().platform;
     grid(ui, "fields of the platform", |ui| {
-        let mass = (platform.mass_kg, true);
-        optional(
-            ui,
-            bench,
-            &NumberField::new("Mass", "kg", 3),
-            mass,
-            |robot, value| {
-                robot.platform.mass_kg = value;
-            },
-        );
-        three(
-            ui,
-            bench,
-            &NumberField::millimetres("Centre of mass", 1),
-            platform.center_of_mass_m,
-            |robot, value| robot.platform.center_of_mass_m = value,
-        );
+        let field = NumberField::new("Mass", "kg", 3);
+        optional(ui, bench, &field, platform.mass_kg, |robot, value| {
+            robot.platform.mass_kg = value;
+        });
+        let field = NumberField::millimetres("Centre of mass", 1);
+        let centre_m = platform.center_of_mass_m;
+        three(ui, bench, &field, centre_m, |robot, value| {
+            robot.platform.center_of_mass_m = value;
+        });
     });
     ui.horizontal_wrapped(|ui| {
-        muted(ui, "Moves along and about");
+        ui.muted("Moves along and about");
         for coordinate in Coordinate::ALL {
             let mut is_free = platform.free.contains(&coordinate);
             let name = ["x", "y", "z", "rx", "ry", "rz"][coordinate.index()];
@@ -52,7 +44,7 @@ pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
 }
 
 pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Home pose");
+    ui.section("Home pose");
     let home = bench.robot().home;
     let mut has_home = home.is_some();
     if checkbox(ui, &mut has_home, "Encoders read zero at a home pose").changed() {
@@ -73,10 +65,7 @@ pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
             (home.position_sd_m, home.covariance) = (value, None);
         });
         one(ui, bench, &field, home.position_sd_m, set);
-        let field = NumberField {
-            per_si: 1f64.to_degrees(),
-            ..NumberField::new("Orientation known to", "°", 4)
-        };
+        let field = NumberField::degrees("Orientation known to", 4);
         let set = of_part(part, |home, value| {
             (home.orientation_sd_rad, home.covariance) = (value, None);
         });

@@ -21,6 +21,8 @@ pub struct NumberField<'a> {
     pub per_si: f64,
     /// Number of decimals.
     pub decimals: usize,
+    /// Whether the field may be empty.
+    optional: bool,
 }
 
 impl<'a> NumberField<'a> {
@@ -33,12 +35,20 @@ impl<'a> NumberField<'a> {
     }
 
     /// Number in an SI unit.
+    pub const fn degrees(name: &'a str, decimals: usize) -> Self {
+        Self {
+            per_si: 180.0 / std::f64::consts::PI,
+            ..Self::new(name, "°", decimals)
+        }
+    }
+
     pub const fn new(name: &'a str, unit: &'a str, decimals: usize) -> Self {
         Self {
             name,
             unit,
             per_si: 1.0,
             decimals,
+            optional: false,
         }
     }
 }
@@ -58,20 +68,14 @@ pub fn optional(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
     field: &NumberField<'_>,
-    (value, is_optional): (Option<f64>, bool),
+    value: Option<f64>,
     set: impl Fn(&mut Robot, Option<f64>),
 ) {
-    ui.label(field.name);
-    ui.horizontal(|ui| {
-        cell(
-            ui,
-            bench,
-            (field, field.name, WIDTH),
-            (value, is_optional),
-            &set,
-        );
-    });
-    ui.end_row();
+    let optional = NumberField {
+        optional: true,
+        ..*field
+    };
+    line(ui, bench, &optional, value, &set);
 }
 
 /// Grid row with one number.
@@ -82,9 +86,21 @@ pub fn one(
     value: f64,
     set: impl Fn(&mut Robot, f64),
 ) {
-    optional(ui, bench, field, (Some(value), false), |robot, value| {
+    line(ui, bench, field, Some(value), &|robot, value| {
         set(robot, value.unwrap_or_default());
     });
+}
+
+fn line(
+    ui: &mut Ui,
+    bench: &mut Bench<'_>,
+    field: &NumberField<'_>,
+    value: Option<f64>,
+    set: &dyn Fn(&mut Robot, Option<f64>),
+) {
+    ui.label(field.name);
+    ui.horizontal(|ui| cell(ui, bench, field, value, WIDTH, set));
+    ui.end_row();
 }
 
 /// Grid row with x, y and z.
@@ -102,21 +118,16 @@ pub fn three(
             let name = format!("{} {axis}", field.name);
             // The unit is shown once, after the last field.
             let of_axis = NumberField {
+                name: &name,
                 unit: if k == 2 { field.unit } else { "" },
                 ..*field
             };
-            let shown = (Some(value[k]), false);
-            cell(
-                ui,
-                bench,
-                (&of_axis, &name, OF_THREE),
-                shown,
-                &|robot, typed| {
-                    let mut changed = value;
-                    changed[k] = typed.unwrap_or_default();
-                    set(robot, changed);
-                },
-            );
+            let set = |robot: &mut Robot, typed: Option<f64>| {
+                let mut changed = value;
+                changed[k] = typed.unwrap_or_default();
+                set(robot, changed);
+            };
+            cell(ui, bench, &of_axis, Some(value[k]), OF_THREE, &set);
         }
     });
     ui.end_row();
@@ -125,8 +136,9 @@ pub fn three(
 fn cell(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    (field, name, width): (&NumberField<'_>, &str, f32),
-    (value, is_optional): (Option<f64>, bool),
+    field: &NumberField<'_>,
+    value: Option<f64>,
+    width: f32,
     set: &dyn Fn(&mut Robot, Option<f64>),
 ) {
     let robot = bench.robot();
@@ -139,25 +151,16 @@ fn cell(
         let checked = with(Some(typed)).check();
         checked.map_err(|error| error.to_string())
     };
-    let shown = Number {
-        name,
-        value: value.map(|value| value * field.per_si),
-        decimals: field.decimals,
-        unit: field.unit,
-        optional: is_optional,
-        width,
-    };
-    let typed = match number_checked(ui, &shown, &check) {
+    let value = value.map(|value| value * field.per_si);
+    let shown = Number::of(field.name, value, field.decimals, field.unit, width);
+    let typed = match number_checked(ui, &shown.optional(field.optional), &check) {
         Some(Entered::Value(typed)) => Some(typed),
         Some(Entered::Nothing) => None,
         Some(Entered::Wrong(message)) => return bench.refuse(message),
         None => return,
     };
-    put(
-        bench,
-        with(typed),
-        &format!("change {}", name.to_lowercase()),
-    );
+    let what = format!("change {}", field.name.to_lowercase());
+    put(bench, with(typed), &what);
 }
 
 /// Replaces the robot of the session, or rejects an invalid one.

@@ -5,7 +5,7 @@ use tautline_core::robot::Robot;
 
 use super::field::{change, grid};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::section;
+use crate::widgets::UiExt;
 
 /// Width of a text field (points).
 const WIDTH: f32 = 240.0;
@@ -18,22 +18,16 @@ pub struct Drafts {
 }
 
 pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, drafts: &mut Drafts) {
-    section(ui, "Robot");
+    ui.section("Robot");
     let robot = bench.robot();
     let serial_number = robot.serial_number.clone().unwrap_or_default();
     grid(ui, "identity of the robot", |ui| {
-        let name = robot.name.clone();
-        text(
-            ui,
-            bench,
-            "Name",
-            (name, &mut drafts.name),
-            |robot, typed| {
-                robot.name = typed;
-            },
-        );
-        let draft = (serial_number, &mut drafts.serial_number);
-        text(ui, bench, "Serial number", draft, |robot, typed| {
+        let draft = &mut drafts.name;
+        text(ui, bench, "Name", &robot.name, draft, |robot, typed| {
+            robot.name = typed;
+        });
+        let (name, draft) = ("Serial number", &mut drafts.serial_number);
+        text(ui, bench, name, &serial_number, draft, |robot, typed| {
             robot.serial_number = (!typed.is_empty()).then_some(typed);
         });
     });
@@ -44,11 +38,12 @@ fn text(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
     name: &str,
-    (value, draft): (String, &mut Option<String>),
+    value: &str,
+    draft: &mut Option<String>,
     set: impl FnOnce(&mut Robot, String),
 ) {
     let label = ui.label(name);
-    let mut shown = draft.take().unwrap_or(value);
+    let mut shown = draft.take().unwrap_or_else(|| value.to_owned());
     let field = ui.add(TextEdit::singleline(&mut shown).desired_width(WIDTH));
     let field = field.labelled_by(label.id);
     if field.has_focus() {

@@ -7,13 +7,10 @@ use tautline_core::robot::{
 
 use super::field::{CommonNumber, NumberField, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{checkbox, section};
-
-/// Degrees in a radian.
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+use crate::widgets::{UiExt, checkbox};
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "Instruments");
+    ui.section("Instruments");
     forces(ui, bench);
     laser(ui, bench);
     inclinometer(ui, bench);
@@ -36,11 +33,8 @@ fn has(
 }
 
 fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
-    let sensor = bench
-        .robot()
-        .cables
-        .first()
-        .and_then(|cable| cable.force_sensor);
+    let first = bench.robot().cables.first();
+    let sensor = first.and_then(|cable| cable.force_sensor);
     let now = sensor.is_some();
     has(ui, bench, "Force sensors", now, |robot, is_there| {
         for cable in &mut robot.cables {
@@ -100,7 +94,7 @@ fn laser(ui: &mut Ui, bench: &mut Bench<'_>) {
         one(ui, bench, &field, plane.offset_m, set);
         let field = NumberField::millimetres("Plane known to", 1);
         let set = of_part(part, |laser, value| laser.target_plane.offset_sd_m = value);
-        optional(ui, bench, &field, (plane.offset_sd_m, true), set);
+        optional(ui, bench, &field, plane.offset_sd_m, set);
     });
 }
 
@@ -135,10 +129,7 @@ fn inclinometer(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
     if let Some(inclinometer) = inclinometer {
         grid(ui, "fields of the inclinometer", |ui| {
-            let field = NumberField {
-                per_si: DEGREES,
-                ..NumberField::new("Noise of an angle", "°", 4)
-            };
+            let field = NumberField::degrees("Noise of an angle", 4);
             one(ui, bench, &field, inclinometer.sd_rad, |robot, value| {
                 robot.inclinometer = Some(Inclinometer { sd_rad: value });
             });
@@ -167,11 +158,8 @@ fn tracker(ui: &mut Ui, bench: &mut Bench<'_>) {
             });
             one(ui, bench, &field, sd_m, set);
         }
-        let field = NumberField {
-            per_si: DEGREES,
-            ..NumberField::new("Noise of an orientation", "°", 4)
-        };
+        let field = NumberField::degrees("Noise of an orientation", 4);
         let set = of_part(part, |tracker, value| tracker.orientation_sd_rad = value);
-        optional(ui, bench, &field, (tracker.orientation_sd_rad, true), set);
+        optional(ui, bench, &field, tracker.orientation_sd_rad, set);
     });
 }

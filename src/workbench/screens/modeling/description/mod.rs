@@ -11,17 +11,15 @@ use egui::Ui;
 use self::cables::FocusedCell;
 use self::identity::Drafts;
 use crate::screens::bench_panel::Bench;
-use crate::widgets::muted;
+use crate::widgets::UiExt;
 
 pub(super) fn show(
     ui: &mut Ui,
     bench: &mut Bench<'_>,
-    (focused, drafts): (&mut FocusedCell, &mut Drafts),
+    focused: &mut FocusedCell,
+    drafts: &mut Drafts,
 ) {
-    muted(
-        ui,
-        "Every number is checked as it is typed, and the 3D view follows. What is not known yet may be rough: identification finds the pulleys.",
-    );
+    ui.muted("Every number is checked as it is typed, and the 3D view follows. What is not known yet may be rough: identification finds the pulleys.");
     identity::show(ui, bench, drafts);
     common::platform(ui, bench);
     cables::show(ui, bench, focused);

@@ -18,7 +18,7 @@ use crate::model::command::Outbox;
 use crate::model::part::ScreenPart;
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, Selection};
-use crate::widgets::empty;
+use crate::widgets::UiExt;
 use tabs::{Dock, DockRequest};
 use tree::{Preset, Tree};
 
@@ -255,11 +255,12 @@ fn restore(area: &mut PlotArea, plot: PlotId) {
 pub(crate) fn show(
     ui: &mut Ui,
     model: &Model,
-    (panes, hovered): (&mut Panes, &mut Selection),
+    panes: &mut Panes,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {
-        empty(ui, "Plots appear here once a session is open.");
+        ui.empty("Plots appear here once a session is open.");
         return;
     };
     let area = ui.available_rect_before_wrap();
@@ -285,12 +286,12 @@ pub(crate) fn show(
         false => &mut panes.docked,
     };
     if tree.is_empty() {
-        empty(ui, "All plots are in windows of their own.");
+        ui.empty("All plots are in windows of their own.");
     } else {
         let dragged = tree.dragged_id(ui.ctx());
-        let places = tree::stand_in(tree, |kind| (kind.missing)(open).is_none());
+        let places = tree::substitute(tree, |kind| (kind.missing)(open).is_none());
         tree.ui(&mut dock, ui);
-        tree::stand_back(tree, &places);
+        tree::restore(tree, &places);
         if let Some(dragged) = dragged.filter(|_| ui.input(|input| input.pointer.any_released())) {
             tree::untangle(tree, dragged);
             tree.simplify(&dock.simplification_options());

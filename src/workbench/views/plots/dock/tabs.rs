@@ -224,7 +224,7 @@ impl Behavior<PlotId> for Dock<'_> {
         let chosen = panes
             .iter()
             .position(|(tile, _)| tabs.active == Some(*tile));
-        let is_shown = fitting(&widths, chosen, (ui.available_width(), 0.0), ICON);
+        let is_shown = fitting(&widths, chosen, ui.available_width(), 0.0, ICON);
         let hidden = panes.iter().zip(is_shown).filter(|(_, shown)| !shown);
         let hidden: Vec<TileId> = hidden.map(|((tile, _), _)| *tile).collect();
         if !hidden.is_empty() {

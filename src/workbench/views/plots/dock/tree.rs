@@ -170,14 +170,19 @@ pub(crate) fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
 }
 
 /// Area, its chosen plot, and the one shown instead.
-pub(crate) type StandIn = (TileId, TileId, TileId);
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SubstitutedTab {
+    place: TileId,
+    chosen: TileId,
+    shown: TileId,
+}
 
 /// Shows other plots in place of those without data: the residuals, whose message explains how to get data, otherwise
 /// the first with data. The live scope, which always has data, opens automatically.
-pub(crate) fn stand_in(
+pub(crate) fn substitute(
     tree: &mut Tree,
     has_data: impl Fn(&'static PlotKind) -> bool,
-) -> Vec<StandIn> {
+) -> Vec<SubstitutedTab> {
     let instead = |tabs: &Tabs| {
         let plot = |tile: &TileId| tree.tiles.get_pane(tile).map(|plot| plot.kind);
         let chosen = tabs.active?;
@@ -197,26 +202,30 @@ pub(crate) fn stand_in(
     };
     let places = tree.tiles.iter().filter_map(|(place, tile)| match tile {
         Tile::Container(Container::Tabs(tabs)) => {
-            let (chosen, seen) = instead(tabs)?;
-            Some((*place, chosen, seen))
+            let (chosen, shown) = instead(tabs)?;
+            Some(SubstitutedTab {
+                place: *place,
+                chosen,
+                shown,
+            })
         }
         _ => None,
     });
-    let places: Vec<StandIn> = places.collect();
-    for (place, _, seen) in &places {
-        set_active(tree, *place, *seen);
+    let places: Vec<SubstitutedTab> = places.collect();
+    for tab in &places {
+        set_active(tree, tab.place, tab.shown);
     }
     places
 }
 
 /// Brings the chosen plots to the front again, unless others were chosen meanwhile.
-pub(crate) fn stand_back(tree: &mut Tree, places: &[StandIn]) {
-    for (place, chosen, seen) in places {
-        let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(*place) else {
+pub(crate) fn restore(tree: &mut Tree, places: &[SubstitutedTab]) {
+    for tab in places {
+        let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(tab.place) else {
             continue;
         };
-        if tabs.active == Some(*seen) && tabs.children.contains(chosen) {
-            set_active(tree, *place, *chosen);
+        if tabs.active == Some(tab.shown) && tabs.children.contains(&tab.chosen) {
+            set_active(tree, tab.place, tab.chosen);
         }
     }
 }

@@ -16,7 +16,8 @@ const WINDOW: [f32; 2] = [720.0, 460.0];
 pub(crate) fn show_detached(
     ui: &Ui,
     model: &Model,
-    (panes, hovered): (&mut Panes, &mut Selection),
+    panes: &mut Panes,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let Some(open) = &model.open else {

@@ -21,12 +21,8 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     },
     options: |ui, options, input| {
         let known = CourseReading::of(input.open.session());
-        choose(
-            ui,
-            ("Readings", input.is_narrow),
-            &known,
-            &mut options.course,
-        );
+        let chosen = &mut options.course;
+        choose(ui, "Readings", input.is_narrow, &known, chosen);
     },
     content: Content::Figure(|source| Ok(figure(source.open.session(), source.options.course))),
 };
@@ -90,7 +86,7 @@ pub(crate) fn figure(session: &Session, wanted: CourseReading) -> Figure {
     let (y, series) = match reading {
         CourseReading::Lengths => {
             let change = |cable: &Cable, index: usize, row: usize| {
-                length_m(data, (cable, index), row) - length_m(data, (cable, index), 0)
+                length_m(data, cable, index, row) - length_m(data, cable, index, 0)
             };
             (
                 Axis::new("Length since the first pose", "m"),
@@ -153,7 +149,7 @@ impl Course<'_> {
 }
 
 /// Measured length of a cable (m).
-fn length_m(data: &Measurements, (cable, index): (&Cable, usize), row: usize) -> f64 {
+fn length_m(data: &Measurements, cable: &Cable, index: usize, row: usize) -> f64 {
     match data.revolutions.is_empty() {
         true => data.length_m.get(row, index),
         false => data.revolutions.get(row, index) * cable.winch.cable_per_revolution_m(),

@@ -166,5 +166,5 @@ pub(super) fn choose_unit(ui: &mut Ui, options: &mut PlotOptions, input: &Option
         (ResidualUnit::Deviations, "Standard deviations"),
         (ResidualUnit::Millimetres, "Millimetres"),
     ];
-    choose(ui, ("Unit", input.is_narrow), &units, &mut options.unit);
+    choose(ui, "Unit", input.is_narrow, &units, &mut options.unit);
 }

@@ -23,12 +23,8 @@ pub(crate) static PLOT: PlotKind = PlotKind {
             (TensionsShown::Measured, "Measured"),
             (TensionsShown::Residuals, "Residuals"),
         ];
-        choose(
-            ui,
-            ("Tensions shown", input.is_narrow),
-            &shown,
-            &mut options.tensions,
-        );
+        let (is_narrow, chosen) = (input.is_narrow, &mut options.tensions);
+        choose(ui, "Tensions shown", is_narrow, &shown, chosen);
     },
     content: Content::Figure(|source| {
         Ok(figure(

@@ -74,7 +74,7 @@ fn along(
     };
     let before = (choice.quantity, choice.cable);
     let readings = name(choice.quantity, choice.cable);
-    combo_within(ui, ("Readings", width), &readings, |ui| {
+    combo_within(ui, "Readings", width, &readings, |ui| {
         for group in &prepared.along {
             let is_chosen = (group.quantity, group.cable) == (choice.quantity, choice.cable);
             if ui
@@ -99,7 +99,7 @@ fn along(
         choice.variable = *first;
     }
     let variable = capitalised(choice.variable.name());
-    combo_within(ui, ("Along", width), &variable, |ui| {
+    combo_within(ui, "Along", width, &variable, |ui| {
         for (variable, _) in variables {
             ui.selectable_value(
                 &mut choice.variable,

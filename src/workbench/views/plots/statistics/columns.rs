@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::rows::Head;
+use super::rows::Heading;
 
 /// Smallest width of a column of names (points).
 const LEAST: f32 = 72.0;
@@ -21,12 +21,7 @@ pub(crate) struct VisibleColumns {
 impl VisibleColumns {
     /// Visible columns of a table of this width, with `space` after each (points): the first `names`, and the others
     /// from index `from` on, or from an earlier one if that would leave room unused.
-    pub(crate) fn of(
-        heads: &[Head],
-        names: usize,
-        from: usize,
-        (width, space): (f32, f32),
-    ) -> Self {
+    pub(crate) fn of(heads: &[Heading], names: usize, from: usize, width: f32, space: f32) -> Self {
         let (naming, others) = heads.split_at(names.min(heads.len()));
         let widest = others.iter().map(|head| head.width).fold(0.0, f32::max);
         let mut named: Vec<f32> = naming.iter().map(|head| head.width).collect();
@@ -67,15 +62,15 @@ mod tests {
     const SPACE: f32 = 8.0;
 
     /// Total width of the visible columns (points).
-    fn width(seen: &VisibleColumns, heads: &[Head]) -> f32 {
+    fn width(seen: &VisibleColumns, heads: &[Heading]) -> f32 {
         let others = heads[seen.others.clone()].iter().map(|head| head.width);
         let widths: Vec<f32> = seen.names.iter().copied().chain(others).collect();
         widths.iter().sum::<f32>() + SPACE * (widths.len() - 1) as f32
     }
 
     /// Headings of columns with these widths (points).
-    fn heads(widths: &[f32]) -> Vec<Head> {
-        let head = |width: &f32| Head {
+    fn heads(widths: &[f32]) -> Vec<Heading> {
+        let head = |width: &f32| Heading {
             title: "",
             help: "",
             is_number: true,
@@ -95,7 +90,7 @@ mod tests {
                 let mut reached = std::collections::BTreeSet::new();
                 let mut from = 0;
                 loop {
-                    let seen = VisibleColumns::of(heads, names, from, (room, SPACE));
+                    let seen = VisibleColumns::of(heads, names, from, room, SPACE);
                     assert!(width(&seen, heads) <= room, "{names} in {room}: {seen:?}");
                     assert!(!seen.others.is_empty());
                     reached.extend(seen.places());
@@ -112,7 +107,7 @@ mod tests {
     #[test]
     fn all_columns_are_visible_if_they_have_room() {
         let heads = heads(&READINGS);
-        let seen = VisibleColumns::of(&heads, 2, 7, (2000.0, SPACE));
+        let seen = VisibleColumns::of(&heads, 2, 7, 2000.0, SPACE);
         assert_eq!(seen.places().count(), heads.len());
         assert_eq!(seen.more, [false, false]);
     }

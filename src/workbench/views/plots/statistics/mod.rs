@@ -17,9 +17,11 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
-use crate::widgets::{icon_button, icon_only, muted};
+use crate::widgets::{UiExt, combo_box, icon_button, icon_only};
 use columns::VisibleColumns;
-use rows::{Head, Listed, Listing, ListingKey, Order, StatisticsRow, arranged, listing, text};
+use rows::{
+    Heading, Listing, ListingKey, Order, StatisticsKind, StatisticsRow, arranged, listing, text,
+};
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "statistics",
@@ -42,7 +44,7 @@ const COUNTED: f32 = 220.0;
 /// State of the table.
 #[derive(Debug, Default)]
 pub(crate) struct Statistics {
-    listed: Listed,
+    kind: StatisticsKind,
     orders: [Option<Order>; 2],
     /// First visible paged column of each table.
     from: [usize; 2],
@@ -56,32 +58,33 @@ pub(super) fn show(
     ui: &mut Ui,
     fit: &Arc<Identification>,
     state: &mut Statistics,
-    (selection, hovered): (Selection, &mut Selection),
+    selection: Selection,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
     let of = ListingKey {
-        listed: state.listed,
+        kind: state.kind,
         fit: Arc::clone(fit),
     };
-    let order = state.orders[state.listed as usize];
+    let order = state.orders[state.kind as usize];
     let Listing { heads, rows } = state.all.get(of.clone(), || listing(&of));
     let filter = state.filter.trim().to_lowercase();
     let key = (of.clone(), order, filter.clone());
     let shown = state.shown.get(key, || arranged(rows, order, &filter));
     let bar = ui.spacing().scroll.allocated_width();
-    let room = (ui.available_width() - bar, ui.spacing().item_spacing.x);
-    let from = &mut state.from[of.listed as usize];
-    let seen = VisibleColumns::of(heads, of.listed.names(), *from, room);
+    let (room, space) = (ui.available_width() - bar, ui.spacing().item_spacing.x);
+    let from = &mut state.from[of.kind as usize];
+    let seen = VisibleColumns::of(heads, of.kind.names(), *from, room, space);
     let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
-        listed(ui, &mut state.listed);
+        choose_kind(ui, &mut state.kind);
         let field = TextEdit::singleline(&mut state.filter).hint_text("Filter by name");
         let width = if is_narrow { 96.0 } else { 140.0 };
         ui.add(field.desired_width(width))
             .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter the table"));
-        leaf(ui, &seen, of.listed.names(), from);
+        leaf(ui, &seen, of.kind.names(), from);
         if ui.available_width() > COUNTED {
-            muted(ui, &number_of(shown.len(), rows.len()));
+            ui.muted(&number_of(shown.len(), rows.len()));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let button = if is_narrow { icon_only } else { icon_button };
@@ -90,15 +93,14 @@ pub(super) fn show(
             }
         });
     });
-    let order = &mut state.orders[of.listed as usize];
-    table(
-        ui,
-        (heads, &seen),
-        (rows, shown),
-        order,
-        (selection, hovered),
-        outbox,
-    );
+    let order = &mut state.orders[of.kind as usize];
+    let content = TableContent {
+        heads,
+        columns: &seen,
+        rows,
+        shown,
+    };
+    table(ui, &content, order, selection, hovered, outbox);
 }
 
 /// Buttons that page through the columns.
@@ -116,20 +118,15 @@ fn leaf(ui: &mut Ui, seen: &VisibleColumns, names: usize, from: &mut usize) {
     }
 }
 
-fn listed(ui: &mut Ui, chosen: &mut Listed) {
-    let title = |listed: Listed| Listed::ALL.iter().find(|(l, _)| *l == listed);
+fn choose_kind(ui: &mut Ui, chosen: &mut StatisticsKind) {
+    let title = |kind: StatisticsKind| StatisticsKind::ALL.iter().find(|(k, _)| *k == kind);
     let title = title(*chosen).map_or("", |(_, title)| title);
-    let shown = ComboBox::from_id_salt("statistics of")
-        .selected_text(title)
-        .show_ui(ui, |ui| {
-            for (value, title) in Listed::ALL {
-                ui.selectable_value(chosen, value, title);
-            }
-        });
-    let name = format!("Statistics of: {title}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+    let list = ComboBox::from_id_salt("statistics of");
+    combo_box(ui, list, &format!("Statistics of: {title}"), title, |ui| {
+        for (value, title) in StatisticsKind::ALL {
+            ui.selectable_value(chosen, value, title);
+        }
+    });
 }
 
 fn number_of(shown: usize, all: usize) -> String {
@@ -139,14 +136,28 @@ fn number_of(shown: usize, all: usize) -> String {
     }
 }
 
+/// What the table shows: its visible columns, and the rows that are left by the filter, in their order.
+struct TableContent<'a> {
+    heads: &'a [Heading],
+    columns: &'a VisibleColumns,
+    rows: &'a [StatisticsRow],
+    shown: &'a [usize],
+}
+
 fn table(
     ui: &mut Ui,
-    (heads, seen): (&[Head], &VisibleColumns),
-    (rows, shown): (&[StatisticsRow], &[usize]),
+    content: &TableContent<'_>,
     order: &mut Option<Order>,
-    (selection, hovered): (Selection, &mut Selection),
+    selection: Selection,
+    hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
+    let TableContent {
+        heads,
+        columns: seen,
+        rows,
+        shown,
+    } = *content;
     let palette = theme::of(ui);
     let id = ui.scope_id().with(("statistics", heads.len()));
     let mut table = TableBuilder::new(ui)
@@ -200,7 +211,7 @@ fn table(
 }
 
 /// Adds content to a cell on the side of its text; it takes no space, so that the cell does not grow.
-fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
+fn aligned(ui: &mut Ui, head: &Heading, add: impl FnOnce(&mut Ui)) {
     let layout = match head.is_number {
         true => Layout::right_to_left(Align::Center),
         false => Layout::left_to_right(Align::Center),
@@ -210,7 +221,7 @@ fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
 }
 
 /// Heading that sorts by its column: ascending, then descending, then in the original order.
-fn heading(ui: &mut Ui, head: &Head, column: usize, order: &mut Option<Order>) {
+fn heading(ui: &mut Ui, head: &Heading, column: usize, order: &mut Option<Order>) {
     let own = order.filter(|order| order.column == column);
     let icon = own.map(|order| match order.descending {
         true => icons::ICON_ARROW_DOWNWARD,

@@ -17,14 +17,14 @@ const SIGN: usize = 2;
 
 /// Content of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Listed {
+pub(crate) enum StatisticsKind {
     #[default]
     Readings,
     /// Identified values.
     Values,
 }
 
-impl Listed {
+impl StatisticsKind {
     /// Both contents, with their titles.
     pub(crate) const ALL: [(Self, &'static str); 2] =
         [(Self::Readings, "Readings"), (Self::Values, "Values")];
@@ -40,7 +40,7 @@ impl Listed {
 
 /// Heading of a column.
 #[derive(Debug, Clone)]
-pub(crate) struct Head {
+pub(crate) struct Heading {
     pub(crate) title: &'static str,
     /// Explanation of the column.
     pub(crate) help: &'static str,
@@ -53,7 +53,7 @@ pub(crate) struct Head {
 /// Headings and all rows of a table.
 #[derive(Debug, Default)]
 pub(crate) struct Listing {
-    pub(crate) heads: Vec<Head>,
+    pub(crate) heads: Vec<Heading>,
     pub(crate) rows: Vec<StatisticsRow>,
 }
 
@@ -81,13 +81,13 @@ pub(crate) struct Order {
 /// Inputs of the rows.
 #[derive(Debug, Clone)]
 pub(crate) struct ListingKey {
-    pub(crate) listed: Listed,
+    pub(crate) kind: StatisticsKind,
     pub(crate) fit: Arc<Identification>,
 }
 
 impl PartialEq for ListingKey {
     fn eq(&self, other: &Self) -> bool {
-        self.listed == other.listed && same(Some(&self.fit), Some(&other.fit))
+        self.kind == other.kind && same(Some(&self.fit), Some(&other.fit))
     }
 }
 
@@ -120,7 +120,7 @@ fn compared(a: &StatisticsRow, b: &StatisticsRow, column: usize, descending: boo
 }
 
 /// Table as tab-separated text, for a spreadsheet.
-pub(crate) fn text(heads: &[Head], rows: &[StatisticsRow], shown: &[usize]) -> String {
+pub(crate) fn text(heads: &[Heading], rows: &[StatisticsRow], shown: &[usize]) -> String {
     let titles: Vec<&str> = heads.iter().map(|head| head.title).collect();
     let mut text = titles.join("\t") + "\n";
     for place in shown {
@@ -132,12 +132,12 @@ pub(crate) fn text(heads: &[Head], rows: &[StatisticsRow], shown: &[usize]) -> S
 
 /// Table with all rows, in the original order.
 pub(crate) fn listing(of: &ListingKey) -> Listing {
-    match of.listed {
-        Listed::Readings => table(&READINGS, reading_statistics(&of.fit), |one| {
+    match of.kind {
+        StatisticsKind::Readings => table(&READINGS, reading_statistics(&of.fit), |one| {
             let (cable, pose) = (one.cable, Some(one.pose));
             (one.cells(), Selection { cable, pose }, one.is_suspect)
         }),
-        Listed::Values => table(&VALUES, value_statistics(&of.fit), |one| {
+        StatisticsKind::Values => table(&VALUES, value_statistics(&of.fit), |one| {
             let selects = one.cable.map(Selection::cable).unwrap_or_default();
             (one.cells(), selects, false)
         }),
@@ -170,7 +170,7 @@ fn table<T, const N: usize>(
     let rows: Vec<StatisticsRow> = all.into_iter().map(row).collect();
     let head = |(place, [_, title, help]): (usize, &[&'static str; 3])| {
         let lengths = rows.iter().map(|row| row.cells[place].chars().count());
-        Head {
+        Heading {
             title,
             help,
             is_number: rows.iter().any(|row| row.keys[place].is_some()),
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn copied_numbers_have_signs_that_spreadsheets_read() {
-        let heads = ["Reading", "N"].map(|title| Head {
+        let heads = ["Reading", "N"].map(|title| Heading {
             title,
             help: "",
             is_number: false,

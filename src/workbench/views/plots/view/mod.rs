@@ -40,7 +40,7 @@ pub(crate) struct PlotView {
     grabbed: Option<usize>,
     resets: bool,
     /// Geometry of the last frame.
-    pub(crate) drawn: Option<Drawn>,
+    pub(crate) drawn: Option<PlotExtent>,
     /// Cached shapes of the heat map.
     heat: RefCell<Memo<ShapesKey, Vec<Shape>>>,
     /// Cached shapes of the points.
@@ -50,7 +50,7 @@ pub(crate) struct PlotView {
 
 /// Axis scale, rectangle of the data, and size of the whole plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Drawn {
+pub(crate) struct PlotExtent {
     pub(crate) scale: Scale,
     pub(crate) size: Vec2,
 }
@@ -158,7 +158,7 @@ impl PlotView {
                     view.add_items(plot, input, &colours);
                 });
         let scale = scale_of(&response.transform);
-        self.drawn = Some(Drawn {
+        self.drawn = Some(PlotExtent {
             scale,
             size: outer.size(),
         });

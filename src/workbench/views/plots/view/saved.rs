@@ -19,7 +19,8 @@ impl PlotView {
     pub(crate) fn file(
         &self,
         ui: &Ui,
-        (name, figure): (&str, &Figure),
+        name: &str,
+        figure: &Figure,
         selection: Selection,
         format: Format,
     ) -> Option<PlotFile> {

@@ -202,7 +202,7 @@ impl Camera {
 
     /// Line of sight through `(u, v)`, shares of width and height from the upper left corner.
     #[must_use]
-    pub fn ray(&self, (u, v): (f64, f64), aspect: f64) -> Ray {
+    pub fn ray(&self, u: f64, v: f64, aspect: f64) -> Ray {
         let [right, up, forward] = self.axes();
         let across = right * ((2.0 * u - 1.0) * aspect) + up * (1.0 - 2.0 * v);
         match self.projection {
@@ -235,7 +235,8 @@ impl Camera {
     #[must_use]
     pub fn on_card(
         &self,
-        (centre, radius_m): (&Vec3, f64),
+        centre: &Vec3,
+        radius_m: f64,
         viewport: three_d::Viewport,
     ) -> three_d::Camera {
         let [_, up, forward] = self.axes();

@@ -156,7 +156,7 @@ impl Camera {
             return;
         }
         let eye = self.eye();
-        let ray = self.ray((u, v), aspect);
+        let ray = self.ray(u, v, aspect);
         let steepness = ray.direction.dot(&forward);
         let depth = under.map_or(self.distance_m, |point| (point - eye).dot(&forward));
         let away = depth.max(f64::MIN_POSITIVE) / steepness;

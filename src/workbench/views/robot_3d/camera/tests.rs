@@ -39,7 +39,7 @@ fn a_line_of_sight_meets_the_point_it_was_made_from() {
     camera.orbit(120.0, -30.0, None);
     for point in corners() {
         let seen = camera.project(&point, 1.6).unwrap();
-        let ray = camera.ray((seen.u, seen.v), 1.6);
+        let ray = camera.ray(seen.u, seen.v, 1.6);
         let off = (point - ray.origin).cross(&ray.direction).norm();
         assert!(off < 1e-12, "{off}");
     }
@@ -50,7 +50,7 @@ fn the_card_sees_what_the_pointer_sees() {
     for view in StandardView::ALL {
         let camera = camera(view);
         let viewport = three_d::Viewport::new_at_origo(1600, 1000);
-        let card = camera.on_card((&Vec3::new(0.0, 0.0, 1.0), 3.0), viewport);
+        let card = camera.on_card(&Vec3::new(0.0, 0.0, 1.0), 3.0, viewport);
         for point in corners() {
             let [x, y, z] = point.map(|v| v as f32).into();
             let c = card.projection() * card.view() * three_d::vec4(x, y, z, 1.0);
@@ -69,7 +69,7 @@ fn zoom_keeps_what_is_under_the_pointer() {
     for view in StandardView::ALL {
         for depth in [0.6, 1.0, 1.7] {
             let mut camera = camera(view);
-            let ray = camera.ray(at, 1.6);
+            let ray = camera.ray(at.0, at.1, 1.6);
             let forward = camera.axes()[2];
             let middle = (camera.target - ray.origin).dot(&forward);
             let point = ray.origin + ray.direction * (depth * middle / ray.direction.dot(&forward));
@@ -85,7 +85,7 @@ fn zoom_keeps_what_is_under_the_pointer() {
 fn zoom_comes_close_to_what_is_seen_and_never_reaches_it() {
     let mut camera = camera(StandardView::Isometric);
     let (at, forward) = ((0.4, 0.6), camera.axes()[2]);
-    let ray = camera.ray(at, 1.6);
+    let ray = camera.ray(at.0, at.1, 1.6);
     let point = ray.origin + ray.direction * 2.0;
     let mut before = 2.0;
     for step in 0..200 {

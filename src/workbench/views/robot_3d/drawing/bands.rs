@@ -7,7 +7,7 @@ use super::options::{ArrowColour, Options};
 use super::{Drawing, region};
 use crate::theme::Palette;
 use crate::views::robot_3d::parts::{SolidPart, paint};
-use crate::views::robot_3d::scene::{Besides, CableView, Scene};
+use crate::views::robot_3d::scene::{CableView, Reference, Scene};
 
 /// Opacity of bands.
 const OPACITY: f32 = 0.1;
@@ -37,7 +37,7 @@ pub fn band(band: Band, scene: &Scene, index: usize, options: &Options) -> Optio
         None => options.arrow_colour_of(scene) == ArrowColour::Tolerance,
     };
     // Neither is known for the pulleys of another session.
-    if scene.besides != Besides::Drawing || !is_asked || cable.moved.is_none() {
+    if scene.reference != Reference::Drawing || !is_asked || cable.moved.is_none() {
         return None;
     }
     match band {
@@ -106,7 +106,7 @@ mod tests {
     fn scene() -> Scene {
         let robot = presets::find("mini").expect("a preset").robot;
         let mut scene = SceneInputs::new(&robot, &Measurements::default()).scene();
-        scene.besides = Besides::Drawing;
+        scene.reference = Reference::Drawing;
         scene.tolerance_m = Some(2e-3);
         for cable in &mut scene.cables {
             cable.moved = Some(Displacement {

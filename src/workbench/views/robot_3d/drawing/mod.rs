@@ -22,7 +22,7 @@ pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
 
 use super::parts::{SolidPart, paint};
-use super::scene::{Besides, CableView, Displacement, PlacedCable, Scene, Wheel};
+use super::scene::{CableView, Displacement, PlacedCable, Reference, Scene, Wheel};
 use crate::model::Selection;
 use crate::theme::{self, Palette};
 
@@ -40,6 +40,8 @@ const THIN: f32 = 0.13;
 /// All parts of a drawing.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Drawing {
+    /// Number by which the graphics card knows it.
+    pub number: u64,
     /// Opaque parts.
     pub solids: Vec<SolidPart>,
     /// Translucent parts.
@@ -117,7 +119,7 @@ impl Drawing {
             };
             let placed = scene.placed(index, options.exaggeration_of(scene));
             drawing.cable(&placed, look);
-            drawing.pulley(cable, &placed, look, (scene, options), palette);
+            drawing.pulley(cable, &placed, look, scene, options, palette);
             drawing.bands(scene, index, options, palette);
         }
         if options.inspected.is_none() {
@@ -222,7 +224,8 @@ impl Drawing {
         cable: &CableView,
         placed: &PlacedCable,
         look: CableLook,
-        (scene, options): (&Scene, &Options),
+        scene: &Scene,
+        options: &Options,
         palette: &Palette,
     ) {
         let tone = |colour: Color32| {
@@ -233,8 +236,8 @@ impl Drawing {
             }
         };
         if let Some(other) = placed.other.filter(|_| options.nominal) {
-            match scene.besides {
-                Besides::Other(_) if !look.fades => {
+            match scene.reference {
+                Reference::Other(_) if !look.fades => {
                     self.glass_wheel(&other, look.colour, INSPECTED);
                 }
                 _ => self.glass_wheel(&other, tone(palette.ghost), GHOST),

@@ -2,7 +2,7 @@
 
 use tautline_core::comparison::Comparison;
 
-use super::{Besides, Displacement, Scene, SideNames, Wheel};
+use super::{Displacement, Reference, Scene, SideNames, Wheel};
 
 impl Scene {
     /// Adds the second geometry of a comparison to a scene of the first. The common motion is removed: the home pose of
@@ -34,7 +34,7 @@ impl Scene {
         names: SideNames,
         displacements: impl IntoIterator<Item = Displacement>,
     ) -> Self {
-        self.besides = Besides::Other(names);
+        self.reference = Reference::Other(names);
         self.measured = Default::default();
         for (cable, displacement) in self.cables.iter_mut().zip(displacements) {
             let by = displacement.by;

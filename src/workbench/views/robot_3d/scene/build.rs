@@ -10,8 +10,8 @@ use tautline_session::DecisionRule;
 
 use super::residuals::Residuals;
 use super::{
-    Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox,
-    PositionError, Scene, ShownPose, cable, platform,
+    CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox, PositionError,
+    Reference, Scene, ShownPose, cable, platform,
 };
 use crate::model::Selection;
 use crate::model::link::LivePlatform;
@@ -88,7 +88,7 @@ impl<'a> SceneInputs<'a> {
             trail: self
                 .live
                 .map_or_else(Arc::default, |live| Arc::clone(&live.trail)),
-            besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
+            reference: self.fit.map_or(Reference::Nothing, |_| Reference::Drawing),
             paths: None,
             tolerance_m: None,
             decision_rule: DecisionRule::default(),

@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
 
-use super::{Besides, Scene, Wheel};
+use super::{Reference, Scene, Wheel};
 use tautline_session::DecisionRule;
 use tautline_workflow::identification::{CLEAR, NOISE, chance_of_noise};
 use tautline_workflow::report::tolerance::Conformity;
@@ -131,7 +131,7 @@ impl Scene {
         };
         let by = cable.moved.map_or_else(Vec3::zeros, |moved| moved.by);
         let more = by * (magnification - 1.0);
-        if matches!(self.besides, Besides::Other(_)) {
+        if matches!(self.reference, Reference::Other(_)) {
             // The first session is drawn at its true position.
             return PlacedCable {
                 path: cable.path.clone(),

@@ -66,7 +66,7 @@ pub struct Wheel {
 
 /// Second set of pulleys, beside the identified ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Besides {
+pub enum Reference {
     /// None, because nothing is identified.
     #[default]
     Nothing,
@@ -182,7 +182,7 @@ pub struct Scene {
     /// Errors of position of the platform, if shown.
     pub errors: Vec<PositionError>,
     /// Second set of pulleys, beside the identified ones.
-    pub besides: Besides,
+    pub reference: Reference,
     /// Positions of the pulleys at several dates, if known.
     pub paths: Option<PulleyPaths>,
     /// Largest acceptable displacement of a pulley from the drawing (m), if known.
