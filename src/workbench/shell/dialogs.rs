@@ -104,7 +104,7 @@ fn elsewhere(ui: &mut Ui, state: &mut AppState) {
         return;
     };
     let (answer, is_left) = modal(ui, "elsewhere", 460.0, |ui| {
-        ui.heading(&format!("Open in another window since {since}"));
+        ui.heading(format!("Open in another window since {since}"));
         let text = "Two windows must not work with one session and its robot. What the other one has not saved stays there.";
         ui.label(format!("{}: {text}", opening.session.name));
         ui.add_space(2.0 * GRID);

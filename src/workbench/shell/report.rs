@@ -16,7 +16,7 @@ use tautline_workflow::report::{Part, ReportChoice, ReportFormat};
 pub fn show(ui: &mut Ui, state: &mut AppState, mut draft: ReportDraft) {
     let format = draft.format;
     let ((), is_left) = modal(ui, "save report", 520.0, |ui| {
-        ui.heading(&format!("Save the report as {}", format.title()));
+        ui.heading(format!("Save the report as {}", format.title()));
         let is_of_session = matches!(state.model.screen, Screen::Phase(_));
         if is_of_session {
             out_of_date(ui, &state.model, &mut state.outbox);

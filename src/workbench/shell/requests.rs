@@ -20,7 +20,7 @@ pub fn apply(state: &mut AppState) {
             UiRequest::ShowTable(table) => match table {
                 Table::Winch => panels.precalibration.part = precalibration::PanelPart::Winches,
                 Table::Force => {
-                    panels.precalibration.part = precalibration::PanelPart::ForceSensors
+                    panels.precalibration.part = precalibration::PanelPart::ForceSensors;
                 }
                 Table::Home => panels.precalibration.part = precalibration::PanelPart::Home,
                 Table::Elongation => panels.modeling.part = modeling::PanelPart::Elongation,

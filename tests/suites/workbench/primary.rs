@@ -243,11 +243,8 @@ fn replace_findings(harness: &mut Harness<'_, App>, change: impl FnOnce(&mut Vec
         limit_s,
         ended_at_limit: known.ended_at_limit,
     };
-    let model = (
-        open.inputs(),
-        open.session().settings.identification.effects.clone(),
-    );
-    open.set_diagnosis(changed.into(), model);
+    let effects = open.session().settings.identification.effects.clone();
+    open.set_diagnosis(changed.into(), open.inputs(), effects);
     harness.run_ok();
 }
 

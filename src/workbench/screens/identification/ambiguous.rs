@@ -81,7 +81,7 @@ fn alternative(
             }
         }
     }
-    ui.wrapped(&said.join(" "));
+    ui.wrapped(said.join(" "));
     card::advice(ui, &checks.join(" "));
     card::actions(ui, panel, diagnosed, cause, &name);
 }

@@ -94,10 +94,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 
 /// Rates of change compared with their limits.
 pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
+    type ReadRate = fn(&Rates) -> f64;
     let Some(rates) = rates else {
         return;
     };
-    let channels: [(&str, &str, f64, fn(&Rates) -> f64); 3] = [
+    let channels: [(&str, &str, f64, ReadRate); 3] = [
         ("Lengths", "mm/s", 1e3, |rates| rates.length_m_per_s),
         ("Tensions", "N/s", 1.0, |rates| rates.tension_n_per_s),
         ("Laser", "mm/s", 1e3, |rates| rates.laser_m_per_s),

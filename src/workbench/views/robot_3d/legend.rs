@@ -248,7 +248,7 @@ mod tests {
             [640.0, 400.0],
             [1200.0, 800.0],
         ] {
-            let legends = in_picture(size, Overlay::legends);
+            let legends = in_picture(size, |overlay| overlay.legends());
             assert_eq!(legends.len(), 2, "residuals and displacements");
             for legend in legends {
                 assert!(legend.min.y > 0.0, "{size:?}: {legend:?}");

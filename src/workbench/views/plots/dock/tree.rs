@@ -353,22 +353,22 @@ mod tests {
         let external = PlotId::first(&sources::external::PLOT);
         bring_forward(&mut tree, external);
         let chosen = area(&tree);
-        let places = stand_in(&mut tree, |kind| kind != &sources::external::PLOT);
+        let places = substitute(&mut tree, |kind| kind != &sources::external::PLOT);
         assert_eq!(shown(&tree), [PlotId::first(&sources::residuals::PLOT)]);
-        stand_back(&mut tree, &places);
+        restore(&mut tree, &places);
         assert_eq!(area(&tree), chosen, "preferences keep what was chosen");
-        assert!(stand_in(&mut tree, |_| true).is_empty());
+        assert!(substitute(&mut tree, |_| true).is_empty());
         // Without the residuals, the first plot with data; a plot chosen meanwhile stays.
         remove(&mut tree, PlotId::first(&sources::residuals::PLOT));
-        let places = stand_in(&mut tree, |kind| {
+        let places = substitute(&mut tree, |kind| {
             [&sources::elongation::PLOT, &scope::PLOT].contains(&kind)
         });
         assert_eq!(shown(&tree), [PlotId::first(&sources::elongation::PLOT)]);
         bring_forward(&mut tree, PlotId::first(&scope::PLOT));
-        stand_back(&mut tree, &places);
+        restore(&mut tree, &places);
         assert_eq!(shown(&tree), [PlotId::first(&scope::PLOT)]);
         bring_forward(&mut tree, external);
-        assert!(stand_in(&mut tree, |kind| kind == &scope::PLOT).is_empty());
+        assert!(substitute(&mut tree, |kind| kind == &scope::PLOT).is_empty());
     }
 
     #[test]
