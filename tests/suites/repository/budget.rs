@@ -15,7 +15,7 @@ const BUDGET: [(&str, usize); 9] = [
     ("python", 989),
     ("session", 8198),
     ("study", 3179),
-    ("workbench", 38220),
+    ("workbench", 37415),
     ("workflow", 20948),
 ];
 
