@@ -340,7 +340,7 @@ fn every_dialog_is_drawn_in_one_place_and_has_a_test_of_stop() {
             !text.contains("Modal::") || file.ends_with("modal.rs"),
             "{file}"
         );
-        let calls = text.split("modal(ui, (\"").skip(1);
+        let calls = text.split("modal(ui, \"").skip(1);
         let calls = calls.chain(text.split("backdrop(ui, \"").skip(1));
         names.extend(calls.filter_map(|call| Some(call.split_once('"')?.0.to_owned())));
     }

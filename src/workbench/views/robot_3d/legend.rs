@@ -238,7 +238,6 @@ impl Overlay<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::overlay::tests::in_picture;
-    use super::*;
 
     #[test]
     fn legends_leave_the_middle_of_a_small_picture_to_the_robot() {
