@@ -13,7 +13,7 @@ use super::evaluator::{Elimination, Parts};
 use super::globals::Globals;
 use super::home::HomeRow;
 use super::parameter::{Parameter, ParameterId};
-use super::problem::{Poses, Problem};
+use super::problem::Problem;
 use super::system::ColumnMap;
 use crate::geometry::Pose;
 use crate::measurement::DistanceReading;
@@ -46,15 +46,10 @@ pub(super) struct DistanceState<'s> {
     pub huber: Option<f64>,
 }
 
-/// Whether distances take part in a problem.
-pub(super) fn has_distances(problem: &Problem<'_>) -> bool {
-    problem.poses == Poses::Estimated && !problem.dataset.measurements.distances.is_empty()
-}
-
 impl Distances {
     /// Evaluates the distances at poses that were eliminated last where they are now; `None` if there are none.
     pub fn evaluate<T: Packet>(state: &DistanceState<'_>, poses: &Parts<'_, T>) -> Option<Self> {
-        if !has_distances(state.problem) {
+        if !state.problem.has_distances() {
             return None;
         }
         let readings = &state.problem.dataset.measurements.distances;

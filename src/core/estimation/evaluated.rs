@@ -1,9 +1,10 @@
 //! A problem evaluated at given parameters and poses: the starting point of analysis and linearisation.
 
-use super::distances::{DistanceState, Distances, has_distances};
+use super::distances::{DistanceState, Distances};
 use super::evaluator::{Evaluator, Parts};
 use super::globals::Globals;
 use super::home::HomeRow;
+use super::observation::ObservationKind;
 use super::options::Division;
 use super::parameter::Parameter;
 use super::problem::Problem;
@@ -73,7 +74,7 @@ impl<'a, T: Packet> Evaluated<'a, T> {
 
     /// The distances, with the poses eliminated at the solution.
     pub fn distances(&mut self, problem: &Problem<'_>, solution: &Solution) -> Option<Distances> {
-        if !has_distances(problem) {
+        if !problem.has_distances() {
             return None;
         }
         self.poses.find_tensions();
@@ -88,4 +89,48 @@ impl<'a, T: Packet> Evaluated<'a, T> {
         };
         Distances::evaluate(&state, &self.poses)
     }
+}
+
+/// Standard deviation of a reading in a row packed by `evaluator` (SI units).
+pub(super) fn sd_of<T: Packet>(
+    problem: &Problem<'_>,
+    evaluator: &Evaluator<'_, T>,
+    kind: ObservationKind,
+    row: usize,
+) -> f64 {
+    let robot = &problem.dataset.robot;
+    match kind {
+        ObservationKind::Length(cable) => evaluator.length_sd(cable),
+        ObservationKind::Tension(cable) => evaluator.tension_sd(cable),
+        ObservationKind::Equilibrium(axis) => evaluator.wrench_variance(axis.index()).sqrt(),
+        ObservationKind::Laser => robot.laser.map_or(f64::NAN, |l| l.sd_m),
+        ObservationKind::Swivel(cable) => {
+            robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN)
+        }
+        ObservationKind::TrackerPosition(k) => {
+            let own = problem.dataset.measurements.tracked_position_sd_m.get(row);
+            let nominal = robot
+                .tracker
+                .map_or(f64::NAN, |t| t.position_sd_m.each()[k]);
+            own.map(|sd| sd[k])
+                .filter(|sd| !sd.is_nan())
+                .unwrap_or(nominal)
+        }
+        ObservationKind::TrackerOrientation(_) => robot
+            .tracker
+            .and_then(|t| t.orientation_sd_rad)
+            .unwrap_or(f64::NAN),
+        ObservationKind::Inclination(_) => robot.inclinometer.map_or(f64::NAN, |i| i.sd_rad),
+        ObservationKind::Distance(k) => problem.dataset.measurements.distances[k].sd_m,
+    }
+}
+
+/// Whether a force sensor with noise of its own reads the tension of a cable at a row.
+pub(super) fn is_tension_read<T: Packet>(
+    problem: &Problem<'_>,
+    evaluator: &Evaluator<'_, T>,
+    (row, cable): (usize, usize),
+) -> bool {
+    let force = problem.dataset.measurements.force_n.get(row, cable);
+    problem.has_latent_tension() && !force.is_nan() && evaluator.tension_sd(cable) > 0.0
 }

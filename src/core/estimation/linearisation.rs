@@ -8,8 +8,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::analysis::{is_tension_read, sd_of};
-use super::evaluated::Evaluated;
+use super::evaluated::{Evaluated, is_tension_read, sd_of};
 use super::evaluator::{Elimination, Evaluator, NoiseEstimate};
 use super::observation::ObservationKind;
 use super::options::Division;

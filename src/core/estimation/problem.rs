@@ -239,6 +239,12 @@ impl<'a> Problem<'a> {
                 || self.assumes_tensions())
     }
 
+    /// Whether distances between poses take part.
+    #[must_use]
+    pub fn has_distances(&self) -> bool {
+        self.poses == Poses::Estimated && !self.dataset.measurements.distances.is_empty()
+    }
+
     /// Whether tensions are unknowns.
     #[must_use]
     pub fn has_latent_tension(&self) -> bool {

@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::{ReadingsOfParameters, sd_of};
+use super::ReadingsOfParameters;
+use crate::estimation::evaluated::sd_of;
 use crate::estimation::evaluator::Evaluator;
 use crate::estimation::home::HomeRow;
 use crate::estimation::observation::{Observation, ObservationKind};

@@ -22,7 +22,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::distances::Distances;
 use super::evaluated::Evaluated;
-use super::evaluator::Evaluator;
 use super::observation::{DetectionTest, EntryPointSensitivity, Observation, ObservationKind};
 use super::options::Division;
 use super::parameter::{Parameter, ParameterId};
@@ -263,50 +262,6 @@ fn covariance_at<T: Packet>(
         .into_iter()
         .for_each(|all| system.add_distances(all));
     system.covariance()
-}
-
-/// Standard deviation of a reading in a row packed by `evaluator` (SI units).
-pub(super) fn sd_of<T: Packet>(
-    problem: &Problem<'_>,
-    evaluator: &Evaluator<'_, T>,
-    kind: ObservationKind,
-    row: usize,
-) -> f64 {
-    let robot = &problem.dataset.robot;
-    match kind {
-        ObservationKind::Length(cable) => evaluator.length_sd(cable),
-        ObservationKind::Tension(cable) => evaluator.tension_sd(cable),
-        ObservationKind::Equilibrium(axis) => evaluator.wrench_variance(axis.index()).sqrt(),
-        ObservationKind::Laser => robot.laser.map_or(f64::NAN, |l| l.sd_m),
-        ObservationKind::Swivel(cable) => {
-            robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN)
-        }
-        ObservationKind::TrackerPosition(k) => {
-            let own = problem.dataset.measurements.tracked_position_sd_m.get(row);
-            let nominal = robot
-                .tracker
-                .map_or(f64::NAN, |t| t.position_sd_m.each()[k]);
-            own.map(|sd| sd[k])
-                .filter(|sd| !sd.is_nan())
-                .unwrap_or(nominal)
-        }
-        ObservationKind::TrackerOrientation(_) => robot
-            .tracker
-            .and_then(|t| t.orientation_sd_rad)
-            .unwrap_or(f64::NAN),
-        ObservationKind::Inclination(_) => robot.inclinometer.map_or(f64::NAN, |i| i.sd_rad),
-        ObservationKind::Distance(k) => problem.dataset.measurements.distances[k].sd_m,
-    }
-}
-
-/// Whether a force sensor with noise of its own reads the tension of a cable at a row.
-pub(super) fn is_tension_read<T: Packet>(
-    problem: &Problem<'_>,
-    evaluator: &Evaluator<'_, T>,
-    (row, cable): (usize, usize),
-) -> bool {
-    let force = problem.dataset.measurements.force_n.get(row, cable);
-    problem.has_latent_tension() && !force.is_nan() && evaluator.tension_sd(cable) > 0.0
 }
 
 fn prior_redundancies(

@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{Collector, NEVER_SUSPECT, is_tension_read, sd_of};
+use super::{Collector, NEVER_SUSPECT};
+use crate::estimation::evaluated::{is_tension_read, sd_of};
 use crate::estimation::evaluator::{Elimination, Equations, Evaluator, Layout, NoiseEstimate};
 use crate::estimation::observation::{EntryPointSensitivity, Observation, ObservationKind};
 use crate::real::{Kernel, Packet};

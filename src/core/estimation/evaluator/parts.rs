@@ -10,7 +10,6 @@ use super::layout::Layout;
 use super::normal::{Elimination, Sums};
 use super::steps::LARGEST_STORE;
 use super::{Evaluator, Globals, Pose, Problem};
-use crate::estimation::distances::has_distances;
 use crate::estimation::options::Division;
 use crate::measurement::Grid;
 use crate::real::Packet;
@@ -53,7 +52,7 @@ impl<'a, T: Packet> Parts<'a, T> {
             let start = &start[range];
             let mut part = Evaluator::build(token, problem, globals, selection, start);
             // Distances act on the stored elimination.
-            part.eliminated.largest_store = match has_distances(problem) {
+            part.eliminated.largest_store = match problem.has_distances() {
                 true => usize::MAX,
                 false => LARGEST_STORE / count,
             };
