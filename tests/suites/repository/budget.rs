@@ -9,7 +9,7 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7584),
-    ("core", 37812),
+    ("core", 37813),
     ("import", 18904),
     ("link", 10448),
     ("python", 989),
