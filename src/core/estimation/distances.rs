@@ -28,7 +28,7 @@ pub(super) struct Distances {
     pub remaining: DVector<f64>,
     /// `F^-1 A'`: distances x parameters.
     pub design: DMatrix<f64>,
-    /// `B`: for each distance the poses, by their order among the estimated ones, with three or six of its numbers.
+    /// `B`: for each distance the poses, by their order among the estimated ones, with its six numbers for each.
     by_pose: Vec<Vec<(usize, [f64; 6])>>,
     /// Factor of `K`.
     factor: Cholesky<f64, Dyn>,
