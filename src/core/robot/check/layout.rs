@@ -5,8 +5,11 @@ use super::{Checked, FieldError};
 use crate::geometry::{Pose, Vec3};
 use crate::kinematics::check_path_at;
 
-/// No cable robot has a larger frame; one that seems to is described in millimetres.
+/// A larger frame is that of a telescope, or one of half a metre that is described in millimetres ...
 const LARGEST_FRAME_M: f64 = 500.0;
+/// ... by entry points alone, so that its drums are smaller than this fraction of it, or by all its lengths, so that its platform is
+/// larger than that one. The cabin of FAST has a hundredth of its frame of 600 m, drums a three-hundredth.
+const LARGE_FRAME_SHARES: [f64; 2] = [0.001, 0.03];
 /// Pulleys closer than this fraction of the frame coincide (Jin et al. 2018 print two within
 /// 1.3 % of MINI's frame) ...
 const SAME_PLACE_SHARE: f64 = 0.02;
@@ -54,7 +57,7 @@ impl Robot {
     }
 
     fn check_units(&self, size_m: f64) -> Checked {
-        if size_m > LARGEST_FRAME_M {
+        if size_m > LARGEST_FRAME_M && !self.has_parts_of_a_large_frame(size_m) {
             let message = format!(
                 "found pulleys {size_m:.1} m apart, expected at most {LARGEST_FRAME_M} m: \
                  the entry points look like millimetres"
@@ -81,6 +84,14 @@ impl Robot {
             }
             _ => Ok(()),
         }
+    }
+
+    fn has_parts_of_a_large_frame(&self, size_m: f64) -> bool {
+        let [smallest_drum, largest_platform] = LARGE_FRAME_SHARES.map(|share| share * size_m);
+        self.cables.iter().all(|cable| {
+            cable.winch.drum_diameter_m > smallest_drum
+                && Vec3::from(cable.platform_anchor_m).norm() < largest_platform
+        })
     }
 
     /// Distance from the origin within which all parts of the robot are expected (m).

@@ -52,6 +52,26 @@ fn pairs_of_pulleys_on_one_post_pass() {
 }
 
 #[test]
+fn a_telescope_passes_and_millimetres_do_not() {
+    // The six towers of FAST stand on a circle of 600 m; its cabin is 13 m wide.
+    let mut telescope = robot();
+    for cable in &mut telescope.cables {
+        cable.pulley.entry_point_m = cable.pulley.entry_point_m.map(|value| 150.0 * value);
+        cable.platform_anchor_m = [6.5, 0.0, 0.0];
+        cable.winch.drum_diameter_m = 1.8;
+    }
+    assert_eq!(telescope.check(), Ok(()));
+    let mut points_in_mm = telescope.clone();
+    points_in_mm.cables[0].winch.drum_diameter_m = 0.05;
+    let mut all_in_mm = telescope;
+    all_in_mm.cables[0].platform_anchor_m = [50.0, 0.0, 0.0];
+    for robot in [points_in_mm, all_in_mm] {
+        let error = robot.check().expect_err("refused");
+        assert!(error.message.contains("millimetres"), "{error:?}");
+    }
+}
+
+#[test]
 fn only_side_by_side_cables_may_have_close_pulleys() {
     let mut close = robot();
     close.cables[1].pulley.entry_point_m = [-1.98, -1.5, 2.0];
