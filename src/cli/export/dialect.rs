@@ -58,14 +58,23 @@ pub fn run(arguments: &Arguments, name: &str) -> Result<()> {
     };
     let onto = file.as_deref().zip(text.as_deref());
     let written = dialect_text(model, fit.as_ref(), dialect, onto).map_err(BadInput::new)?;
-    let mut lines = table::texts(&["Value", "unit", "old", "new", "sd", "reason"]);
+    let mut lines = table::texts(&["Value", "unit", "old", "new", "sd", "gain mm", "reason"]);
     for value in &written.values {
         let row = &value.parameter.row;
         let sd = value.sd.map(|sd| format!("{sd:.*}", row.digits));
         let old = onto.map(|_| format!("{:.*}", row.digits, value.parameter.value));
-        let [old, sd] = [old, sd].map(|cell| cell.unwrap_or_else(|| "-".to_owned()));
+        let gain = value.gain_m.map(|gain_m| format!("{:.2}", 1e3 * gain_m));
+        let [old, sd, gain] = [old, sd, gain].map(|cell| cell.unwrap_or_else(|| "-".to_owned()));
         let (key, unit) = (value.parameter.key.clone(), row.unit.0.to_owned());
-        lines.add_row([key, unit, old, value.new.clone(), sd, value.reason.clone()]);
+        lines.add_row([
+            key,
+            unit,
+            old,
+            value.new.clone(),
+            sd,
+            gain,
+            value.reason.clone(),
+        ]);
     }
     say!("{lines}");
     say!("{}", written.loss_in_words());

@@ -47,6 +47,8 @@ pub struct WrittenValue {
     pub new: String,
     /// Standard deviation in the unit of the text, if it is known.
     pub sd: Option<f64>,
+    /// Part of the position error that returns if this value alone stays as it was in the user's text (m).
+    pub gain_m: Option<f64>,
     /// Origin of the value.
     pub reason: String,
 }
@@ -141,21 +143,29 @@ pub fn dialect_text(
     let written = target.read.text_with(text, &values, &|one, value| {
         is_written(one, value).then(|| one.written(value))
     });
-    let error_m = |text: &str| {
-        target
-            .robot_of(text)
-            .and_then(|robot| error_of(&expected, &robot))
+    let error_m = |text: &str| -> Result<f64, DialectError> {
+        Ok(expected.position_error_m(&target.robot_of(text)?)?)
     };
-    let changed = parameters.iter().zip(&values);
-    let changed = changed.filter(|(one, value)| is_written(one, **value));
-    let value = |(one, value): (&Parameter, &f64)| {
-        written_value(model, &target.read.robot, fit, one, *value)
-    };
+    let after_m = error_m(&written)?;
+    let mut changed = Vec::new();
+    for (one, &value) in parameters.iter().zip(&values) {
+        if !is_written(one, value) {
+            continue;
+        }
+        let without = target.read.text_with(text, &values, &|other, value| {
+            (other != one && is_written(other, value)).then(|| other.written(value))
+        });
+        let gain_m = onto.map(|_| error_m(&without)).transpose()?;
+        changed.push(WrittenValue {
+            gain_m: gain_m.map(|without_m| without_m - after_m),
+            ..written_value(model, &target.read.robot, fit, one, value)
+        });
+    }
     let budget = fit.and_then(Identification::budget);
     Ok(DialectText {
-        values: changed.map(value).collect(),
+        values: changed,
         before_m: onto.map(|_| error_m(text)).transpose()?,
-        after_m: error_m(&written)?,
+        after_m,
         model_sd_m: budget.and_then(|budget| Some(budget.position?.sd_m())),
         inexpressible: target.inexpressible(model, &values, least_m)?,
         at_home_only: match dialect.has_winches {
@@ -167,13 +177,6 @@ pub fn dialect_text(
         sd_holds: fit.is_none_or(|fit| FitVerdict::of(fit.solution.p_value()).holds()),
         text: written,
     })
-}
-
-/// Position error of a machine with this robot (m), root mean square.
-fn error_of(expected: &ExpectedLengths, robot: &Robot) -> Result<f64, DialectError> {
-    let missed_m = expected.missed_by_m(robot)?;
-    let square_sum: f64 = missed_m.iter().map(|value| value * value).sum();
-    Ok((square_sum / missed_m.len().max(1) as f64).sqrt())
 }
 
 /// The model, or its geometry at home if the dialect states geometry only.
@@ -258,7 +261,7 @@ impl<'a> Target<'a> {
             .map(|one| one.row.range)
             .collect();
         let values = expected.project(&|values| self.robot_with(values).ok(), &start, &ranges);
-        let error_m = error_of(&expected, &self.robot_with(&values)?)?;
+        let error_m = expected.position_error_m(&self.robot_with(&values)?)?;
         Ok((expected, values, error_m))
     }
 
@@ -395,6 +398,7 @@ fn written_value(
         new: parameter.written(value),
         parameter: parameter.clone(),
         sd,
+        gain_m: None,
         reason,
     }
 }

@@ -6,6 +6,7 @@ use egui_material_icons::icons;
 use crate::model::Model;
 use crate::model::command::{CorrectedFile, Outbox, PlotCommand, PlotFile, RobotCommand};
 use crate::widgets::{Cell, TableColumn, UiExt, icon_button, table};
+use tautline_workflow::wording::units::fixed;
 
 pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     ui.section("Firmware or simulator");
@@ -40,6 +41,7 @@ fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
         TableColumn::number("New", ""),
         TableColumn::number("±", ""),
         TableColumn::words("Unit"),
+        TableColumn::number("Gain", "mm"),
     ];
     let values = corrected.written.values.iter();
     let rows: Vec<Vec<Cell>> = values
@@ -52,6 +54,7 @@ fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
                 value.new.clone(),
                 value.sd.map_or_else(|| "–".to_owned(), number),
                 row.unit.0.to_owned(),
+                (value.gain_m).map_or_else(String::new, |gain_m| fixed(1e3 * gain_m, 2)),
             ];
             cells.map(Cell::new).into()
         })
@@ -59,4 +62,5 @@ fn changes(ui: &mut Ui, file: &str, corrected: &CorrectedFile) {
     ui.label(corrected.written.loss_in_words());
     ui.muted(&format!("{file}: {} values change", rows.len()));
     table(ui, &columns, &rows, None);
+    ui.muted("±: the standard deviation. Gain: what the position error grows by if this value alone stays.");
 }
