@@ -76,15 +76,17 @@ impl ExpectedLengths {
         })
     }
 
-    /// Distances by which the platform of a machine that knows `target` misses the poses (m).
+    /// Distance by which the platform of a machine that knows `target` misses the poses (m), root mean square.
     ///
     /// # Errors
     /// If the target has an unknown effect, or no cable path at a pose.
-    pub fn missed_by_m(&self, target: &Robot) -> Result<Vec<f64>, SimulationError> {
+    pub fn position_error_m(&self, target: &Robot) -> Result<f64, SimulationError> {
         let errors = self.length_errors_m(target)?;
-        let at_poses = self.poses.iter().zip(errors.chunks(target.cable_count()));
-        let missed = at_poses.map(|(pose, errors)| missed_by_m(target, pose, errors));
-        Ok(missed.collect::<Result<_, _>>()?)
+        let mut square_sum = 0.0;
+        for (pose, errors) in self.poses.iter().zip(errors.chunks(target.cable_count())) {
+            square_sum += missed_by_m(target, pose, errors)?.powi(2);
+        }
+        Ok((square_sum / self.poses.len().max(1) as f64).sqrt())
     }
 
     fn length_errors_m(&self, target: &Robot) -> Result<Vec<f64>, EstimationError> {
@@ -124,6 +126,9 @@ impl ExpectedLengths {
         ranges: &[f64],
     ) -> Vec<f64> {
         let free: Vec<usize> = (0..start.len()).filter(|k| ranges[*k] > 0.0).collect();
+        if free.is_empty() {
+            return start.to_vec();
+        }
         let parameters = |steps: &[f64]| -> Vec<f64> {
             let mut values = start.to_vec();
             for (k, step) in free.iter().zip(steps) {
@@ -188,11 +193,6 @@ mod tests {
     use crate::effect::EffectSetting;
     use crate::robot::presets;
 
-    fn rms(values: &[f64]) -> f64 {
-        let square_sum: f64 = values.iter().map(|value| value * value).sum();
-        (square_sum / values.len() as f64).sqrt()
-    }
-
     /// A target with entry points and drums that may be moved, and without pulleys if it has none.
     fn target(nominal: &Robot, radius: f64, values: &[f64]) -> Robot {
         let mut robot = nominal.clone();
@@ -219,24 +219,19 @@ mod tests {
         model.cables[1].pulley.entry_point_m[0] += 0.003;
         model.effects = vec![scale];
         let expected = ExpectedLengths::of(&model, preset.workspace, 40).expect("lengths");
-        let nominal_m = expected.missed_by_m(&nominal).expect("errors");
-        assert!(rms(&nominal_m) > 2e-4, "{}", rms(&nominal_m));
+        let error_m = |target: &Robot| expected.position_error_m(target).expect("an error");
+        assert!(error_m(&nominal) > 2e-4, "{}", error_m(&nominal));
         let (start, ranges) = (vec![0.0; 32], vec![0.05; 32]);
         let with_pulleys = |values: &[f64]| Some(target(&nominal, 1.0, values));
         let found = expected.project(&with_pulleys, &start, &ranges);
-        let errors = expected
-            .missed_by_m(&target(&nominal, 1.0, &found))
-            .expect("errors");
-        assert!(rms(&errors) < 2e-6, "{}", rms(&errors));
+        let rest_m = error_m(&target(&nominal, 1.0, &found));
+        assert!(rest_m < 2e-6, "{rest_m}");
         assert!((found[4] - 0.003).abs() < 1e-5, "{found:?}");
         assert!((found[11] - 0.004).abs() < 1e-4, "{found:?}");
         let without = |values: &[f64]| Some(target(&nominal, 0.0, values));
         let best = expected.project(&without, &start, &ranges);
-        let [unfitted, best] = [&start, &best].map(|values| {
-            rms(&expected
-                .missed_by_m(&target(&nominal, 0.0, values))
-                .expect("errors"))
-        });
+        let [unfitted, best] =
+            [&start, &best].map(|values| error_m(&target(&nominal, 0.0, values)));
         assert!(best < 0.3 * unfitted && best > 1e-5, "{best} {unfitted}");
     }
 }

@@ -11,11 +11,11 @@ use std::path::PathBuf;
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::{plan_adjustment, read_parameters};
+use tautline_link::adjusting::read_parameters;
 use tautline_session::Outcome;
 use tautline_workflow::adjusting::{
-    self, AdjustmentDocument, Doubt, DoubtKind, Purpose, former_values, not_restorable,
-    not_restored, revertible, values_to_write,
+    self, AdjustmentDocument, Doubt, DoubtKind, Purpose, Review, former_values, not_restorable,
+    not_restored, revertible,
 };
 use tautline_workflow::controllers::ConnectionSetup;
 use tautline_workflow::wording::sentence;
@@ -161,21 +161,21 @@ fn adjust(
 ) -> Result<()> {
     let parameters = parameters(connection)?;
     let solution = identified.solution();
-    let differences = plan_adjustment(&parameters, &identified.model, solution);
-    files::write(arguments, &identified.model, &differences)?;
-    check_doubts(
-        arguments,
-        &adjusting::unsupported(&identified.model, &differences),
-    )?;
-    match adjusting::refusal(&differences) {
+    let review = Review::of(&parameters, &identified.model, solution);
+    files::write(arguments, &identified.model, &review.lines)?;
+    match (&review.adaptation, review.doubt()) {
+        (Some(exact), None) => note!("{}.", exact.sentence),
+        (_, doubt) => check_doubts(arguments, &doubt)?,
+    }
+    match adjusting::refusal(&review.lines) {
         Some(why) if !arguments.dry_run => return Err(anyhow!("{}", sentence(&why))),
         why => why.iter().for_each(|why| note!("{why}.")),
     }
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     document.method = Some(identified.document.method.clone());
     document.chi2 = Some(identified.document.chi2);
-    document.set_differences(&differences);
-    let values = values_to_write(differences);
+    document.set_differences(&review.lines);
+    let values = review.values_to_write();
     if arguments.dry_run || values.is_empty() {
         document.outcome = if values.is_empty() {
             "nothing_to_write"

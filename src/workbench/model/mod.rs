@@ -257,7 +257,7 @@ impl Model {
             (is_connected, self.link.parameters_version),
         );
         let computed = || match is_connected {
-            true => Review::of(&self.link.parameters, fit),
+            true => Review::of(&self.link.parameters, &fit.model, Some(&fit.solution)),
             false => Review::recorded(open.session(), fit),
         };
         let mut review = self.review.borrow_mut();

@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::command::IdentificationCommand;
-use tautline_workflow::adjusting::{recorded_differences, verified_before_last_write, written};
+use tautline_workflow::adjusting::{verified_before_last_write, written};
 
 /// Part of a report that is out of date.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ pub(crate) fn out_of_date(model: &Model) -> Vec<OutOfDate> {
             "The data or the model changed after the last identification.",
             identify,
         ),
-        Some(fit) => {
+        Some(_) => {
             match open.diagnosis() {
                 Some(_) if open.is_model_diagnosed() => {}
                 Some(_) => add(
@@ -36,9 +36,8 @@ pub(crate) fn out_of_date(model: &Model) -> Vec<OutOfDate> {
                 ),
                 None => add("The present model was not diagnosed.", diagnose),
             }
-            let differences = recorded_differences(session, fit);
             let is_changed = !session.adjustments().is_empty();
-            if is_changed && written(session, &differences).is_none() {
+            if is_changed && written(session, &model.review().lines).is_none() {
                 add("The controller does not hold the identified values.", None);
             }
         }

@@ -5,7 +5,7 @@ use egui::{RichText, TextEdit, Ui};
 use super::{AppState, report};
 use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, HypothesisCommand, RobotCommand, WriteDraft};
-use crate::screens::adjustment::{identify_without, lines};
+use crate::screens::adjustment::{adaptation, lines};
 use crate::theme::{self, GRID};
 use crate::widgets::{UiExt, entered, modal, primary};
 use tautline_workflow::wording::count;
@@ -175,12 +175,13 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
         for doubt in &draft.doubts {
             ui.doubtful(&format!("{}.", doubt.sentence));
         }
+        if review.doubt().is_none() {
+            adaptation(ui, review);
+        }
         let is_sound = draft.doubts.is_empty();
         if !is_sound {
             ui.label("Such values can make the robot less accurate.");
         }
-        let is_left =
-            review.unsupported.is_some() && identify_without(ui, review, &mut state.outbox);
         ui.add_space(GRID);
         let field = ui.horizontal(|ui| {
             let label = ui.label("Operator");
@@ -211,7 +212,7 @@ fn writing(ui: &mut Ui, state: &mut AppState, mut draft: WriteDraft) {
             let wanted = wanted.on_disabled_hover_text(hint).clicked();
             match wanted || entered && is_sound && is_named {
                 true => Some(true),
-                false => (cancelled || is_left).then_some(false),
+                false => cancelled.then_some(false),
             }
         })
         .inner

@@ -4,12 +4,12 @@
 //! Until then it is [open](Adjustment::is_open): nothing moves, and nothing else is written, before it is settled with the
 //! same old and new values.
 
+mod adaptation;
 mod checklist;
 mod document;
 mod doubts;
 mod record;
 mod review;
-mod unsupported;
 
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{self, ControllerValues, Difference};
@@ -19,12 +19,12 @@ use tautline_session::{
 };
 
 use crate::wording::count;
+pub use adaptation::Adaptation;
 pub use checklist::{AdjustmentStep, Check, CheckState, checklist};
 pub use document::{AdjustmentDocument, DifferenceRow};
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
-pub use record::{Written, recorded_differences, verified_before_last_write, written};
+pub use record::{Written, verified_before_last_write, written};
 pub use review::Review;
-pub use unsupported::{unsupported, unsupported_effects};
 
 /// Purpose of writing values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,17 +33,6 @@ pub enum Purpose {
     Adjust,
     /// Restore the previous values.
     RollBack,
-}
-
-/// The values that the controller accepts and does not already hold.
-#[must_use]
-pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
-    let changes = differences
-        .into_iter()
-        .filter(Difference::is_writable_change);
-    changes
-        .filter_map(|line| Some((line.name, line.identified?)))
-        .collect()
 }
 
 /// Reason why nothing is written if the controller corrects an unknown effect, which would remain: one sentence without full

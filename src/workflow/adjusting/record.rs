@@ -1,14 +1,13 @@
 //! Records of a session about the values in its controller.
 
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::{Difference, plan_adjustment};
+use tautline_link::adjusting::Difference;
 use tautline_session::{Acceptance, Adjustment, Outcome, Session, Stage, Verification};
 
 use super::in_effect;
-use crate::identification::Identification;
 
 /// The parameters of the controller with the values that the session recorded.
-fn recorded(session: &Session) -> Vec<ParameterInfo> {
+pub(super) fn recorded(session: &Session) -> Vec<ParameterInfo> {
     let values = session.controller_values().into_iter();
     values
         .map(|(name, value)| ParameterInfo {
@@ -46,12 +45,6 @@ pub fn written<'a>(session: &'a Session, differences: &[Difference]) -> Option<W
         verification,
         acceptance: verification.and_then(|run| session.acceptance(run)),
     })
-}
-
-/// The differences between an identification and the values that the session recorded of its controller.
-#[must_use]
-pub fn recorded_differences(session: &Session, fit: &Identification) -> Vec<Difference> {
-    plan_adjustment(&recorded(session), &fit.model, Some(&fit.solution))
 }
 
 /// Whether values were written again after the last verification that followed an adjustment.

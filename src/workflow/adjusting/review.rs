@@ -1,44 +1,57 @@
 //! Review of the values by the operator before they are written.
 
 use tautline_core::effect::EffectSetting;
+use tautline_core::estimation::Solution;
+use tautline_core::robot::Robot;
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{Difference, plan_adjustment};
 use tautline_session::Session;
 
-use super::{Doubt, recorded_differences, unsupported, unsupported_effects, values_to_write};
+use super::Doubt;
+use super::adaptation::{Adaptation, adapt, unsupported_effects};
+use super::record::recorded;
 use crate::identification::Identification;
 
-/// The values of a controller beside the identified ones, and the effects that it cannot hold.
+/// The values of a controller beside those that it is to hold.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Review {
     /// A line for each parameter of model and controller.
     pub lines: Vec<Difference>,
     /// Effects of the model for which the controller has no parameters.
     pub effects: Vec<EffectSetting>,
-    /// Doubt about the pose accuracy without these effects, if they displace the platform.
-    pub unsupported: Option<Doubt>,
+    /// How entry points and drums make up for these effects, if they displace the platform.
+    pub adaptation: Option<Adaptation>,
 }
 
 impl Review {
-    /// The review of a connected controller.
+    /// The review of a controller with these parameters.
     #[must_use]
-    pub fn of(parameters: &[ParameterInfo], fit: &Identification) -> Self {
-        let lines = plan_adjustment(parameters, &fit.model, Some(&fit.solution));
-        let effects = unsupported_effects(&fit.model, &lines);
+    pub fn of(controller: &[ParameterInfo], model: &Robot, solution: Option<&Solution>) -> Self {
+        let mut lines = plan_adjustment(controller, model, solution);
+        if controller.is_empty() {
+            return Self {
+                lines,
+                ..Self::default()
+            };
+        }
+        let effects = unsupported_effects(model, &lines);
         Self {
             effects: effects.into_iter().cloned().collect(),
-            unsupported: unsupported(&fit.model, &lines),
+            adaptation: adapt(model, &mut lines),
             lines,
         }
     }
 
-    /// The review of the values that a session recorded, which may be fewer than the controller has.
+    /// The review of the values that a session recorded of its controller.
     #[must_use]
     pub fn recorded(session: &Session, fit: &Identification) -> Self {
-        Self {
-            lines: recorded_differences(session, fit),
-            ..Self::default()
-        }
+        Self::of(&recorded(session), &fit.model, Some(&fit.solution))
+    }
+
+    /// The doubt about a pose accuracy that the values do not restore.
+    #[must_use]
+    pub fn doubt(&self) -> Option<Doubt> {
+        self.adaptation.as_ref().and_then(Adaptation::doubt)
     }
 
     /// The lines that would be written.
@@ -49,6 +62,9 @@ impl Review {
     /// The values that would be written.
     #[must_use]
     pub fn values_to_write(&self) -> Vec<(String, f64)> {
-        values_to_write(self.lines.clone())
+        let changes = self.changes();
+        changes
+            .filter_map(|line| Some((line.name.clone(), line.identified?)))
+            .collect()
     }
 }

@@ -16,7 +16,6 @@ use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::model::phase_status;
-use tautline_workflow::adjusting::DoubtKind;
 
 use crate::demo::Bench;
 
@@ -342,44 +341,38 @@ fn an_effect_taken_out_of_the_model_is_taken_out_of_the_controller() {
 }
 
 #[test]
-fn a_controller_without_the_parameter_is_a_warning_with_a_way_out() {
+fn values_are_adapted_to_a_controller_without_the_parameter() {
     let (mut bench, cause) = sample();
     connect(&mut bench);
     identify_with(&mut bench, cause);
-    let warning = "The pulleys were identified together with Winch scale (cable-3) of 2";
-    bench.harness.get_by_label_contains(warning);
+    let drum = |bench: &Bench| {
+        let mut values = controller_values(bench).into_iter();
+        let name = "cable-3.winch.drum_diameter_m";
+        let drum = values.find(|(held, _)| held == name);
+        drum.expect("a parameter").1
+    };
+    let nominal = drum(&bench);
+    let text = "This controller cannot hold Winch scale (cable-3) of 2";
+    bench.harness.get_by_label_contains(text);
     bench.press("Write to the controller");
     bench.harness.run_ok();
-    let draft = bench
-        .state()
-        .model
-        .dialogs
-        .writing
-        .clone()
-        .expect("a question");
-    let kinds: Vec<DoubtKind> = draft.doubts.iter().map(|doubt| doubt.kind).collect();
-    assert_eq!(kinds, [DoubtKind::Unsupported]);
-    let text = &draft.doubts[0].sentence;
-    let (_, rest) = text
-        .split_once("without it the platform errs by ")
-        .expect("an error");
-    let mm: f64 = rest
-        .split(' ')
-        .next()
-        .expect("a number")
-        .parse()
-        .expect("a number");
-    assert!((0.3..4.0).contains(&mm), "{text}");
-    // Enter is not an answer to a warning.
+    let draft = bench.state().model.dialogs.writing.clone();
+    let draft = draft.expect("a question");
+    assert!(draft.doubts.is_empty(), "{:?}", draft.doubts);
+    assert_eq!(bench.harness.query_all_by_label_contains(text).count(), 2);
     bench.name_operator("Ada");
-    bench.harness.key_press(Key::Enter);
+    bench.press("Write");
+    bench.wait("the values", |state| !state.model.link.writing);
+    let scale = drum(&bench) / nominal - 1.0;
+    assert!((scale.abs() - 0.02).abs() < 2e-3, "{scale}");
+    for (name, value) in draft.review.values_to_write() {
+        assert!(
+            controller_values(&bench).contains(&(name.clone(), value)),
+            "{name}"
+        );
+    }
     bench.harness.run_ok();
-    assert!(bench.state().model.dialogs.writing.is_some());
-    bench.press("Do not write");
-    assert!(bench.session().adjustments().is_empty());
-    bench.press("Identify for this controller");
-    bench.settle("an identification");
-    assert!(bench.session().settings.identification.effects.is_empty());
-    let review = bench.state().model.review();
-    assert!(review.unsupported.is_none() && review.changes().count() > 20);
+    assert_eq!(bench.state().model.review().changes().count(), 0);
+    let holds = "The controller holds the identified values";
+    bench.harness.get_by_label_contains(holds);
 }

@@ -32,7 +32,7 @@ pub(super) fn write(model: &mut Model) {
         return model.messages.failure(Cause::Adjustment, why);
     }
     let mut doubts = adjusting::doubts(session, fit);
-    doubts.extend(review.unsupported.clone());
+    doubts.extend(review.doubt());
     let operator = model.preferences.operator.clone();
     model.dialogs.writing = review.changes().next().is_some().then_some(WriteDraft {
         review: Arc::clone(&review),

@@ -14,7 +14,6 @@ use egui_material_icons::icons;
 use super::measuring::controller;
 use crate::model::command::Outbox;
 use crate::model::command::{Export, RobotCommand};
-use crate::model::edit::Edit;
 use crate::model::link::LinkRequest;
 use crate::model::next_step::of_values;
 use crate::model::{Memo, Model, OpenSession};
@@ -108,10 +107,7 @@ fn compare(
         });
     }
     table::show(ui, model, open, panel, outbox, &review.lines);
-    if let Some(doubt) = &review.unsupported {
-        ui.doubtful(&format!("{}.", doubt.sentence));
-        identify_without(ui, review, outbox);
-    }
+    adaptation(ui, review);
     let kind = model.robot_kind();
     let simulated = matches!(kind, Some(RobotKind::OfSession | RobotKind::OfDescription));
     if !review.effects.is_empty() && simulated {
@@ -177,17 +173,13 @@ fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
     }
 }
 
-/// Offers the values of a model that the controller can store.
-pub(crate) fn identify_without(ui: &mut Ui, review: &Review, outbox: &mut Outbox) -> bool {
-    let is_wanted = ui
-        .button("Identify for this controller")
-        .on_hover_text(
-            "Takes out of the model what the controller cannot hold, and identifies again",
-        )
-        .clicked();
-    if is_wanted {
-        let what = "identify for this controller".to_owned();
-        outbox.send(Edit::RemoveEffects(review.effects.clone(), what));
+/// Says how the values make up for effects that the controller cannot hold.
+pub(crate) fn adaptation(ui: &mut Ui, review: &Review) {
+    if let Some(adaptation) = &review.adaptation {
+        let text = format!("{}.", adaptation.sentence);
+        match adaptation.doubt() {
+            Some(_) => ui.doubtful(&text),
+            None => ui.neutral(&text),
+        }
     }
-    is_wanted
 }

@@ -4,7 +4,7 @@ use tautline_core::robot::Cable;
 use tautline_session::{Adjustment, Outcome, Session};
 
 use super::{number, signed, when};
-use crate::adjusting::{in_effect, recorded_differences, written};
+use crate::adjusting::{Review, in_effect, written};
 use crate::identification::Identification;
 use crate::report::document::{Section, Table};
 use crate::wording::parameters::{title, unit};
@@ -27,8 +27,8 @@ pub fn section(session: &Session) -> Option<Section> {
 /// written.
 pub fn state(session: &Session, fit: &Identification) -> Option<String> {
     let last = in_effect(session)?;
-    let differences = recorded_differences(session, fit);
-    let Some(written) = written(session, &differences) else {
+    let review = Review::recorded(session, fit);
+    let Some(written) = written(session, &review.lines) else {
         return Some(match last.outcome {
             Outcome::Written if !last.restores => format!(
                 "The controller holds other values than these: those written on {}.",
@@ -42,6 +42,9 @@ pub fn state(session: &Session, fit: &Identification) -> Option<String> {
         by(&written.adjustment.operator),
         when(written.adjustment.time)
     );
+    if let Some(adaptation) = &review.adaptation {
+        text += &format!(" {}.", adaptation.sentence);
+    }
     if let Some(accepted) = written.acceptance {
         text += &format!(
             " The robot was accepted{} on {}.",
