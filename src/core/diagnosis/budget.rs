@@ -174,8 +174,6 @@ pub(super) const PROJECTOR_THRESHOLD: f64 = 0.5;
 pub(super) const MIN_VISIBLE_VARIANCE: f64 = 3e-3;
 /// Smallest share of a function's norm that must remain after projection for it to count as new.
 pub(super) const MIN_INDEPENDENT_PART: f64 = 0.05;
-/// Share of its stated variance below which a pattern of pulleys is not determined by the readings.
-pub(super) const MIN_KNOWN_SHARE: f64 = 1e-6;
 /// Directions of the functions whose share in the residuals is smaller than this are left out.
 pub(super) const MIN_VISIBLE_SHARE: f64 = 1e-6;
 /// Added to the diagonal to keep the covariance of a field positive definite.

@@ -196,7 +196,9 @@ pub(super) fn state_probabilities(
         for other in &mut finding.alternatives {
             other.probability *= match other.subject {
                 Subject::Cause(_) => of_causes,
-                Subject::UnmodelledError(_) | Subject::WrongDrawing(_) => of_errors,
+                Subject::UnmodelledError(_) | Subject::WrongDrawing(_) | Subject::Slack(_) => {
+                    of_errors
+                }
             };
         }
         let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity_of(finding)));

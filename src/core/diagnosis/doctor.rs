@@ -23,11 +23,11 @@ use super::inference::{Inference, infer, inference_at_fit};
 use super::isolability::log_naming_odds;
 use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
-use super::priors::{AS_STATED, EXPECTED_CAUSES, FACTORS, RELATIVE_SD};
+use super::priors::{AS_STATED, EXPECTED_CAUSES, FACTORS, MOST_WIDER, RELATIVE_SD};
 use super::progress::Reporter;
 use super::report::{
-    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, SlackCable, Subject,
-    ToleranceFactor, UnseenFault,
+    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, Subject, ToleranceFactor,
+    UnseenFault,
 };
 use super::residual_space::ResidualSpace;
 use super::slack::{Rival, find_slack, without_cables};
@@ -37,7 +37,6 @@ use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CATALOGUE, CablePorts, Dual, Scope};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
-use crate::robot::Robot;
 use crate::statistics::normal_quantile;
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
@@ -59,26 +58,31 @@ pub fn diagnose(
     if !found.base.adequate && !found.cancelled {
         allow_for_slack(data, &mut found, options, &mut report)?;
     }
-    let is_slack = found.slack.as_ref().is_some_and(SlackCable::is_left_out);
-    let is_wrong = !found.base.adequate
-        && !found.cancelled
-        && !is_slack
-        && allow_for_wrong_drawing(data, &mut found, options, &mut report)?;
-    if found.extended.adequate || is_wrong {
-        let solution = &found.extended_solution;
-        found.drawing = wrong_drawing(&dataset.robot, solution, options.alpha / 2.0, is_wrong);
+    let is_slack = found.slack.as_ref().is_some_and(|slack| slack.is_left_out);
+    let of_wider = match !found.base.adequate && !found.cancelled && !is_slack {
+        true => allow_for_wrong_drawing(data, &mut found, options, &mut report)?,
+        false => None,
+    };
+    if (found.extended.adequate || of_wider.is_some()) && found.extended_solution.converged() {
+        let widening = of_wider.map_or(1.0, |_| MOST_WIDER);
+        let (robot, solution) = (&dataset.robot, &found.extended_solution);
+        found.drawing = drawing_evidence(robot, solution, widening).and_then(|evidence| {
+            let log_odds = of_wider.unwrap_or(evidence.log_odds);
+            let drawing = wrong_drawing(robot, solution, evidence.pattern, log_odds);
+            drawing.filter(|_| log_odds > 0.0)
+        });
     }
     found.tolerances.are_stated = dataset.robot.tolerances.is_some();
     Ok(found)
 }
 
-/// Diagnoses with places of the pulleys that are known less well, if that is likelier than what was found; whether it is.
+/// Diagnoses with places of the pulleys that are known less well, if that is likelier than what was found; its log odds if it is.
 fn allow_for_wrong_drawing(
     (dataset, rows): (&Dataset, usize),
     found: &mut Diagnosis,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
-) -> Result<bool, EstimationError> {
+) -> Result<Option<f64>, EstimationError> {
     let wider = Dataset {
         robot: with_wider_places(&dataset.robot),
         measurements: dataset.measurements.clone(),
@@ -90,21 +94,21 @@ fn allow_for_wrong_drawing(
     };
     let [stated, wide] = [dataset, &wider].map(|data| with_variance(data, variance));
     let at_wide = Fit::new(&problem_at_fitted_poses(&wide)?, &[])?.solution;
-    let alone = drawing_evidence(&dataset.robot, &at_wide);
+    let alone = drawing_evidence(&dataset.robot, &at_wide, MOST_WIDER);
     if alone.is_none_or(|evidence| evidence.log_odds < 0.0) {
-        return Ok(false);
+        return Ok(None);
     }
     let is_noisier = variance > 1.0;
     let mut diagnosed = |data| diagnose_independent((data, rows), options, report);
     let other = diagnosed(&wide)?;
     if other.cancelled {
         *found = other;
-        return Ok(false);
+        return Ok(None);
     }
     let solution = &other.extended_solution;
-    let evidence = drawing_evidence(&dataset.robot, solution).filter(|_| solution.converged());
-    let Some(evidence) = evidence else {
-        return Ok(false);
+    let evidence = drawing_evidence(&dataset.robot, solution, MOST_WIDER);
+    let Some(evidence) = evidence.filter(|_| solution.converged()) else {
+        return Ok(None);
     };
     // Errors that wider places leave are none of the drawing, which is then judged by the readings of the other cables.
     let also = cables_of_errors(&other);
@@ -114,14 +118,14 @@ fn allow_for_wrong_drawing(
         let rest = without_cables(dataset, &doubtful);
         let Ok(mut of_rest) = diagnosed(&rest) else {
             // The other readings do not determine the poses.
-            return Ok(false);
+            return Ok(None);
         };
         let is_wrong = !of_rest.base.adequate
             && !of_rest.cancelled
-            && allow_for_wrong_drawing((&rest, rows), &mut of_rest, options, report)?;
+            && allow_for_wrong_drawing((&rest, rows), &mut of_rest, options, report)?.is_some();
         found.cancelled |= of_rest.cancelled;
         if !is_wrong || found.cancelled {
-            return Ok(false);
+            return Ok(None);
         }
     }
     let as_stated = match is_noisier {
@@ -132,21 +136,25 @@ fn allow_for_wrong_drawing(
     let wrong = evidence.of_wider + log_evidence(&other, 1.0);
     let log_odds = wrong - known;
     let is_open = log_odds.abs() < log_naming_odds();
-    if (is_open && list_drawing(found, (&dataset.robot, &other), log_odds)) || log_odds < 0.0 {
-        return Ok(false);
+    let subject = Subject::WrongDrawing(evidence.pattern);
+    let is_listed = is_open && list_beside_causes(found, &subject, &other, log_odds);
+    if is_listed || log_odds < 0.0 {
+        return Ok(None);
     }
     *found = match is_noisier {
         true => diagnose_independent((&wider, rows), options, report)?,
         false => other,
     };
-    Ok(!found.cancelled)
+    Ok((!found.cancelled).then_some(log_odds))
 }
 
-/// Adds a wrong drawing to what may be there instead of the causes that are found without it, but not with it; whether there are any.
-fn list_drawing(found: &mut Diagnosis, (robot, with): (&Robot, &Diagnosis), log_odds: f64) -> bool {
-    let Some(drawing) = wrong_drawing(robot, &with.extended_solution, 1.0, true) else {
-        return false;
-    };
+/// Adds a subject to what may be there instead of the causes that are found without it, but not with it; whether there are any.
+fn list_beside_causes(
+    found: &mut Diagnosis,
+    subject: &Subject,
+    with: &Diagnosis,
+    log_odds: f64,
+) -> bool {
     let probability = 1.0 / (1.0 + (-log_odds).exp());
     let is_known = |finding: &Finding| {
         let key = |one: &Finding| Some((one.cause()?.effect().id(), one.subject.cables()));
@@ -157,7 +165,7 @@ fn list_drawing(found: &mut Diagnosis, (robot, with): (&Robot, &Diagnosis), log_
     for finding in &mut unknown {
         finding.probability *= 1.0 - probability;
         (finding.alternatives.iter_mut()).for_each(|other| other.probability *= 1.0 - probability);
-        add_alternative(finding, Subject::WrongDrawing(drawing.pattern), probability);
+        add_alternative(finding, subject.clone(), probability);
     }
     !unknown.is_empty()
 }
@@ -193,12 +201,14 @@ fn allow_for_slack(
     };
     let mut slack = without.slack;
     slack.log_odds = without.log_evidence - known;
-    if !slack.is_left_out() {
-        found.slack = Some(slack);
-        return Ok(());
-    }
     let mut other = diagnose_independent((&without.dataset, rows), options, report)?;
-    if other.extended.adequate || !found.extended.adequate {
+    let is_open = slack.log_odds.abs() < log_naming_odds();
+    let subject = Subject::Slack(slack.cable);
+    let is_listed = is_open && list_beside_causes(found, &subject, &other, slack.log_odds);
+    if is_listed || slack.log_odds < 0.0 {
+        found.slack = Some(slack);
+    } else if other.extended.adequate || !found.extended.adequate {
+        slack.is_left_out = true;
         other.slack = Some(slack);
         *found = other;
     }

@@ -1,20 +1,19 @@
 //! The drawing as a hypothesis: pulleys that deviate from their described places by more than the stated uncertainty.
 //!
-//! Every fit estimates the places, so that a wrong drawing needs no extension of the model, but it is a finding. With the stated
-//! covariance `S` and that of the estimate `C`, the estimated displacement `d` of a right drawing has the covariance `S - C`. Some
-//! patterns are tested: the distance of the pulleys along an axis, a turn of all about an axis, and one pulley alone. If the
-//! readings contradict the stated places so much that no cause explains them, the places are taken as known [`PLACES_WIDER`]
-//! times less well, each of its own or all in one pattern.
+//! Every fit estimates the places, so that a wrong drawing needs no extension of the model, but it is a finding. If a drawing is wrong, its
+//! places are known [`PLACES_WIDER`] times less well than stated, each of its own or all in one pattern: the distance of the pulleys
+//! along an axis, a turn of all about an axis, or one pulley alone. The evidence decides, at a fit with the places as stated, or with
+//! wider ones if the readings contradict the stated ones so much that no cause explains them.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::budget::MIN_KNOWN_SHARE;
-use super::priors::{PLACES_WIDER, WRONG_DRAWING};
+use super::isolability::is_seen;
+use super::priors::{MOST_WIDER, PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
 use crate::evidence::Evidence;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
-use crate::statistics::{chi_square_survival, log_sum};
+use crate::statistics::log_sum;
 
 /// Pattern of displacements of the pulleys from the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,6 +48,16 @@ pub struct WrongDrawing {
     /// Root mean square distance of the platform between the identified places and those of the drawing, at the poses of the
     /// data (m); `None` where lengths alone do not determine its pose.
     pub worth_m: Option<f64>,
+    /// Log odds over a right drawing, and over the causes that explain the readings otherwise.
+    pub log_odds: f64,
+}
+
+impl WrongDrawing {
+    /// Whether it is probable enough to be named.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        is_seen(self.log_odds)
+    }
 }
 
 /// The robot with places of the pulleys that are known less well.
@@ -56,7 +65,7 @@ pub(super) fn with_wider_places(robot: &Robot) -> Robot {
     let mut wider = robot.clone();
     for cable in &mut wider.cables {
         let mut sds = cable.pulley.entry_point_sd_m.each();
-        (sds.iter_mut().flatten()).for_each(|sd| *sd *= PLACES_WIDER);
+        (sds.iter_mut().flatten()).for_each(|sd| *sd *= MOST_WIDER);
         cable.pulley.entry_point_sd_m = PerAxis::Each(sds);
     }
     wider
@@ -69,16 +78,6 @@ struct Displacements {
     values: DVector<f64>,
     stated: DVector<f64>,
     estimated: DMatrix<f64>,
-}
-
-struct TestedPattern {
-    pattern: DrawingPattern,
-    /// Size with its stated variance and that of the estimate.
-    sizes: [f64; 3],
-    /// Square of the displacement in units of its covariance if the drawing is right.
-    chi2: f64,
-    /// Number of its coordinates.
-    numbers: usize,
 }
 
 impl Displacements {
@@ -115,82 +114,36 @@ impl Displacements {
         [weights.dot(&self.values), stated, estimated]
     }
 
-    /// All patterns that the readings determine. An estimated displacement from a right drawing has the covariance `S - C`, or
-    /// `S + C` if it was estimated with wider places, which hardly draw it to the stated ones.
-    fn tested(&self, robot: &Robot, is_wider: bool) -> Vec<TestedPattern> {
-        let sign = if is_wider { 1.0 } else { -1.0 };
-        let on_axes = DrawingPattern::of_axes().filter_map(|pattern| {
-            let sizes = self.along(&self.weights(robot, pattern)?);
-            let [size, stated, estimated] = sizes;
-            let variance = stated + sign * estimated;
-            (variance > MIN_KNOWN_SHARE * stated).then(|| TestedPattern {
-                pattern,
-                sizes,
-                chi2: size * size / variance,
-                numbers: 1,
-            })
-        });
-        let of_pulleys = (0..robot.cable_count()).filter_map(|cable| self.of_pulley(cable, sign));
-        on_axes.chain(of_pulleys).collect()
-    }
-
-    /// Prior covariances of the displacements if one of the patterns is known less well than stated.
-    fn priors_of_patterns(&self, robot: &Robot) -> Vec<DMatrix<f64>> {
-        let square = PLACES_WIDER.powi(2);
+    /// The patterns, each with the prior covariance of the displacements if it is known so much less well than stated.
+    fn patterns(&self, robot: &Robot, widening: f64) -> Vec<(DrawingPattern, DMatrix<f64>)> {
+        let square = widening.powi(2);
         let on_axes = DrawingPattern::of_axes().filter_map(|pattern| {
             let weights = self.weights(robot, pattern)?;
             let shape = &weights / weights.norm_squared();
-            Some(
-                DMatrix::from_diagonal(&self.stated)
-                    + &shape * shape.transpose() * (square * self.along(&weights)[1]),
-            )
+            let of_pattern = &shape * shape.transpose() * (square * self.along(&weights)[1]);
+            Some((pattern, DMatrix::from_diagonal(&self.stated) + of_pattern))
         });
         let of_pulleys = (0..robot.cable_count()).map(|cable| {
             let mut stated = self.stated.clone();
             for (variance, place) in stated.iter_mut().zip(&self.places) {
                 *variance *= if place.0 == cable { square } else { 1.0 };
             }
-            DMatrix::from_diagonal(&stated)
+            let prior = DMatrix::from_diagonal(&stated);
+            (DrawingPattern::Pulley(cable), prior)
         });
         on_axes.chain(of_pulleys).collect()
     }
 
-    /// The pattern of a displacement of one pulley, with size and variances along the estimated direction.
-    fn of_pulley(&self, cable: usize, sign: f64) -> Option<TestedPattern> {
-        let picked: Vec<usize> = (0..self.places.len())
-            .filter(|k| self.places[*k].0 == cable)
-            .collect();
-        if picked.is_empty() {
-            return None;
+    /// Weights of a pattern; of one pulley along its displacement.
+    fn direction(&self, robot: &Robot, pattern: DrawingPattern) -> Option<DVector<f64>> {
+        let DrawingPattern::Pulley(cable) = pattern else {
+            return self.weights(robot, pattern);
+        };
+        let mut along = self.values.clone();
+        for (value, place) in along.iter_mut().zip(&self.places) {
+            *value *= if place.0 == cable { 1.0 } else { 0.0 };
         }
-        let value = self.values.select_rows(&picked);
-        let stated = self.stated.select_rows(&picked);
-        let least = MIN_KNOWN_SHARE * stated.max();
-        let estimated = self.estimated.select_rows(&picked).select_columns(&picked);
-        let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) + estimated * sign);
-        // The other directions are not determined by the readings.
-        let axes = spread
-            .eigenvalues
-            .iter()
-            .zip(spread.eigenvectors.column_iter());
-        let seen: Vec<f64> = axes
-            .filter(|(variance, _)| **variance > least)
-            .map(|(variance, axis)| axis.dot(&value).powi(2) / variance)
-            .collect();
-        if seen.is_empty() {
-            return None;
-        }
-        let mut weights = DVector::zeros(self.places.len());
-        let norm = value.norm().max(f64::MIN_POSITIVE);
-        for (k, component) in picked.iter().zip(&value) {
-            weights[*k] = component / norm;
-        }
-        Some(TestedPattern {
-            pattern: DrawingPattern::Pulley(cable),
-            sizes: self.along(&weights),
-            chi2: seen.iter().sum(),
-            numbers: seen.len(),
-        })
+        Some(along.normalize())
     }
 
     /// Weights of the change of the extent along an axis, and of a turn about one; `None` where the pulleys have no extent.
@@ -235,62 +188,73 @@ pub(super) struct DrawingEvidence {
     pub of_wider: f64,
     /// Sum of all terms of the log evidence of a right drawing except half of chi-square, at a fit with the places as stated.
     pub of_stated: f64,
+    /// The most probable of the patterns.
+    pub pattern: DrawingPattern,
 }
 
-/// The evidence at a fit with wider places, whose prior covariance is `W`; `None` where it has no covariance. The readings are
-/// like Gaussian ones of the displacements with the information `L = C^-1 - W^-1` and the right side `h = C^-1 d`, so that a
-/// prior covariance `S` has the log evidence of [`Evidence`]. A drawing is wrong anywhere, or in one of the patterns.
-pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<DrawingEvidence> {
-    let displacements = Displacements::of(robot, wide)?;
+/// The evidence at a fit with places whose stated standard deviations were multiplied by `widening`; `None` where
+/// it has no covariance. With the prior covariance `W` of that fit, the readings are like Gaussian ones of the displacements with the
+/// information `L = C^-1 - W^-1` and the right side `h = C^-1 d`, so that a prior covariance `S` has the log evidence of
+/// [`Evidence`]. A drawing is wrong anywhere, or in one of the patterns.
+pub(super) fn drawing_evidence(
+    robot: &Robot,
+    solution: &Solution,
+    widening: f64,
+) -> Option<DrawingEvidence> {
+    let displacements = Displacements::of(robot, solution)?;
     let precision = displacements.estimated.clone().cholesky()?.inverse();
     let right_side = &precision * &displacements.values;
-    let wider = &displacements.stated * PLACES_WIDER.powi(2);
-    let information = precision - DMatrix::from_diagonal(&wider.map(f64::recip));
+    let prior = &displacements.stated * widening.powi(2);
+    let information = precision - DMatrix::from_diagonal(&prior.map(f64::recip));
     let of_prior = |prior: &DMatrix<f64>| {
         let root = prior.clone().cholesky()?.unpack();
         Evidence::with_prior(&right_side, &information, &root)
     };
-    let patterns: Vec<f64> = (displacements.priors_of_patterns(robot).iter())
-        .filter_map(|prior| Some(of_prior(prior)?.log()))
-        .collect();
-    let anywhere = of_prior(&DMatrix::from_diagonal(&wider))?;
-    let in_pattern = log_sum(patterns.iter().copied()) - (patterns.len() as f64).ln();
-    let wrong = log_sum([anywhere.log(), in_pattern].into_iter());
+    let of_widening = |widening: f64| {
+        let patterns = displacements.patterns(robot, widening).into_iter();
+        patterns.filter_map(move |(pattern, prior)| Some((pattern, of_prior(&prior)?.log())))
+    };
+    let patterns: Vec<(DrawingPattern, f64)> =
+        PLACES_WIDER.into_iter().flat_map(of_widening).collect();
+    let most = patterns.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let in_pattern = log_sum(patterns.iter().map(|one| one.1)) - (patterns.len() as f64).ln();
+    let anywhere = |widening: f64| {
+        let wider = &displacements.stated * widening.powi(2);
+        of_prior(&DMatrix::from_diagonal(&wider))
+    };
+    let each = PLACES_WIDER
+        .iter()
+        .filter_map(|widening| Some(anywhere(*widening)?.log()));
+    let all_of_their_own = log_sum(each) - (PLACES_WIDER.len() as f64).ln();
+    let wrong = log_sum([all_of_their_own, in_pattern].into_iter());
     let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
     let stated = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
     let right = (1.0 - WRONG_DRAWING).ln() + stated.log();
     Some(DrawingEvidence {
         log_odds: wrong - right,
-        of_wider: wrong - anywhere.gain(),
+        of_wider: wrong - anywhere(MOST_WIDER)?.gain(),
         of_stated: right - stated.gain(),
+        pattern: most.0,
     })
 }
 
-/// The pattern in the places of the pulleys that stands out most in a fit that converged, if there is one at a significance level,
-/// or if the drawing is known to be wrong.
+/// The wrong drawing with this most probable pattern and these log odds.
 pub(super) fn wrong_drawing(
     robot: &Robot,
     solution: &Solution,
-    level: f64,
-    is_known: bool,
+    pattern: DrawingPattern,
+    log_odds: f64,
 ) -> Option<WrongDrawing> {
-    let estimated = Displacements::of(robot, solution).filter(|_| solution.converged())?;
-    let tested = estimated.tested(robot, is_known);
-    let count = tested.len() as f64;
-    let with_survival = tested.into_iter().filter_map(|one| {
-        let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
-        Some((survival, one))
-    });
-    let (survival, TestedPattern { pattern, sizes, .. }) =
-        with_survival.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.chi2.total_cmp(&a.1.chi2)))?;
-    let [size, stated, estimated] = sizes;
-    (is_known || survival * count < level).then(|| WrongDrawing {
+    let estimated = Displacements::of(robot, solution)?;
+    let [size, stated, variance] = estimated.along(&estimated.direction(robot, pattern)?);
+    Some(WrongDrawing {
         pattern,
         size,
-        sd: estimated.max(0.0).sqrt(),
+        sd: variance.max(0.0).sqrt(),
         stated_sd: stated.sqrt(),
         displacements_m: displacements(robot, solution),
         worth_m: worth_of_places(robot, solution),
+        log_odds,
     })
 }
 

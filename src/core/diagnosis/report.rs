@@ -245,6 +245,8 @@ pub enum Subject {
     UnmodelledError(UnmodelledError),
     /// Pulleys that are not where the description states them; an alternative of a cause only.
     WrongDrawing(DrawingPattern),
+    /// A cable that is slack at some poses, by index; an alternative of a cause only.
+    Slack(usize),
 }
 
 impl Subject {
@@ -253,7 +255,7 @@ impl Subject {
     pub fn cause(&self) -> Option<&Cause> {
         match self {
             Self::Cause(cause) => Some(cause),
-            Self::UnmodelledError(_) | Self::WrongDrawing(_) => None,
+            Self::UnmodelledError(_) | Self::WrongDrawing(_) | Self::Slack(_) => None,
         }
     }
 
@@ -263,7 +265,7 @@ impl Subject {
         match self {
             Self::Cause(cause) => cause.cables(),
             Self::UnmodelledError(error) => error.readings.cable.into_iter().collect(),
-            Self::WrongDrawing(DrawingPattern::Pulley(cable)) => vec![*cable],
+            Self::WrongDrawing(DrawingPattern::Pulley(cable)) | Self::Slack(cable) => vec![*cable],
             Self::WrongDrawing(_) => Vec::new(),
         }
     }
@@ -429,7 +431,9 @@ impl Finding {
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match &self.subject {
-            Subject::UnmodelledError(_) | Subject::WrongDrawing(_) => Verdict::Unknown,
+            Subject::UnmodelledError(_) | Subject::WrongDrawing(_) | Subject::Slack(_) => {
+                Verdict::Unknown
+            }
             Subject::Cause(_) if self.probability >= NAMING_PROBABILITY => Verdict::Named,
             Subject::Cause(_) => Verdict::Ambiguous,
         }
@@ -467,14 +471,8 @@ pub struct SlackCable {
     pub excess_m: Option<[f64; 2]>,
     /// Log odds over the causes that explain the readings otherwise.
     pub log_odds: f64,
-}
-
-impl SlackCable {
-    /// Whether a slack cable is likelier than other causes, so that its readings are left out.
-    #[must_use]
-    pub fn is_left_out(&self) -> bool {
-        self.log_odds >= 0.0
-    }
+    /// Whether its readings are left out; otherwise it is listed beside these causes.
+    pub is_left_out: bool,
 }
 
 /// An effect that the data cannot reveal at its typical size.

@@ -107,6 +107,7 @@ fn slack_of(
                 poses,
                 excess_m,
                 log_odds: 0.0,
+                is_left_out: false,
             },
             dataset,
             log_evidence,

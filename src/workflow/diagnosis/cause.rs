@@ -15,6 +15,10 @@ impl Diagnosed {
             Subject::Cause(cause) => self.title(cause),
             Subject::UnmodelledError(error) => self.error(error),
             Subject::WrongDrawing(pattern) => self.drawing_title(*pattern),
+            Subject::Slack(cable) => {
+                let cable = &self.robot().cables[*cable].name;
+                format!("Slack cable ({cable})")
+            }
         }
     }
 

@@ -22,6 +22,8 @@ use super::verdict::residual_ratio;
 const UNKNOWN: &str = "unknown";
 /// Effect of a drawing that is wrong in machine-readable results.
 const DRAWING: &str = "drawing";
+/// The same of a slack cable.
+const SLACK: &str = "slack";
 /// Unit of the held-out figures.
 const HOLDOUT_UNIT: &str = "rms over sd";
 
@@ -106,6 +108,7 @@ impl Diagnosed {
                 .iter()
                 .map(|by| (*by).into())
                 .collect(),
+            log_odds: found.log_odds,
             worth_m: found.worth_m.and_then(finite),
         }
     }
@@ -148,8 +151,11 @@ impl Diagnosed {
                 targets: self.cable(error.readings.cable).into_iter().collect(),
                 error: Some(self.error_document(error)),
             },
-            Subject::WrongDrawing(_) => SubjectDocument {
-                effect: DRAWING.to_owned(),
+            Subject::WrongDrawing(_) | Subject::Slack(_) => SubjectDocument {
+                effect: match subject {
+                    Subject::Slack(_) => SLACK.to_owned(),
+                    _ => DRAWING.to_owned(),
+                },
                 targets: (subject.cables().into_iter())
                     .filter_map(|cable| self.cable(Some(cable)))
                     .collect(),

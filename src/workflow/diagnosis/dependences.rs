@@ -60,7 +60,7 @@ pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let own = match &finding.subject {
         Subject::Cause(cause) => cause.effect().variable(),
         Subject::UnmodelledError(error) => error.form.variable(),
-        Subject::WrongDrawing(_) => None,
+        Subject::WrongDrawing(_) | Subject::Slack(_) => None,
     };
     let mut all = found.iter();
     let shown = all.position(|one| is_its(one) && Some(one.variable) == own);

@@ -88,6 +88,9 @@ pub struct DrawingDocument {
     pub displacements_m: Vec<[f64; 3]>,
     /// Root mean square error of the platform with the places of robot.json (m); null where it is not determined.
     pub worth_m: Option<f64>,
+    /// Log odds over a right drawing and other causes; it is wrong from 19 to 1 on, else it may be.
+    #[serde(default)]
+    pub log_odds: f64,
 }
 
 /// Chi-square test of a whole solution.
@@ -219,7 +222,8 @@ pub struct CauseDocument {
 /// A cause, or an error that no effect explains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SubjectDocument {
-    /// Effect of the catalogue; "unknown" for an error that none explains, "drawing" for pulleys elsewhere than stated.
+    /// Effect of the catalogue; "unknown" for an error that none explains, "drawing" for pulleys elsewhere than stated,
+    /// "slack" for a slack cable.
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
     pub targets: Vec<String>,

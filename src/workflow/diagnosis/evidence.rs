@@ -40,7 +40,7 @@ pub fn evidence(diagnosed: &Diagnosed) -> Vec<Option<Evidence>> {
     let of = |finding: &Finding| match &finding.subject {
         Subject::Cause(_) => Explained::of(diagnosed, &dataset, finding)?.evidence(),
         Subject::UnmodelledError(error) => of_error(diagnosed, &dataset, error),
-        Subject::WrongDrawing(_) => None,
+        Subject::WrongDrawing(_) | Subject::Slack(_) => None,
     };
     findings.iter().map(of).collect()
 }

@@ -44,12 +44,17 @@ impl Diagnosed {
             None => "its force sensor reads nothing there".to_owned(),
         };
         let (yes, no) = (slack.log_odds.exp(), (-slack.log_odds).exp());
-        if !slack.is_left_out() {
+        if !slack.is_left_out {
+            let (odds, way) = if yes < 1.0 {
+                (no, "against")
+            } else {
+                (yes, "for")
+            };
             return vec![
                 format!(
-                    "{} may instead be slack at {when}: {excess}. The odds are {} to 1 against it.",
+                    "{} may instead be slack at {when}: {excess}. The odds are {} to 1 {way} it.",
                     sentence(cable),
-                    significant(no, 2)
+                    significant(odds, 2)
                 ),
                 "Watch the cable at these poses.".to_owned(),
             ];
@@ -112,7 +117,13 @@ impl Diagnosed {
                 self.robot().cables[cable].name
             ),
         };
-        let mut lines = vec![format!("The drawing is wrong: {what}.")];
+        let mut lines = vec![match drawing.is_named() {
+            true => format!("The drawing is wrong: {what}."),
+            false => format!(
+                "The drawing may be wrong, at odds of {} to 1: {what}.",
+                significant(drawing.log_odds.exp(), 2)
+            ),
+        }];
         if matches!(drawing.pattern, DrawingPattern::Pulley(_)) && !self.robot().platform.turns() {
             lines.push("On a platform that does not turn, its attachment point may be off by as much the other way instead.".to_owned());
         }
@@ -128,12 +139,16 @@ impl Diagnosed {
             "The pulleys are displaced by: {}.",
             places.collect::<Vec<_>>().join("; ")
         ));
+        let enter = match drawing.is_named() {
+            true => "Enter the identified places",
+            false => "Measure them, and enter the identified places if they are right",
+        };
         lines.push(match drawing.worth_m {
             Some(worth_m) => format!(
-                "Enter the identified places: with those of robot.json the platform is {} mm off at these poses.",
+                "{enter}: with those of robot.json the platform is {} mm off at these poses.",
                 significant(1e3 * worth_m, 2)
             ),
-            None => "Enter the identified places.".to_owned(),
+            None => format!("{enter}."),
         });
         lines
     }

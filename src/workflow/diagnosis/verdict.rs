@@ -94,7 +94,7 @@ impl Diagnosed {
                 "Not enough readings to say whether there is a fault: most kinds would not show at their usual size.".to_owned()
             }
             true if diagnosis.extended.adequate && diagnosis.drawing.is_some() => format!(
-                "No part is outside its tolerance, but the drawing is wrong. The parts scatter by {scatter}."
+                "No part is outside its tolerance, but see the drawing. The parts scatter by {scatter}."
             ),
             true if diagnosis.extended.adequate && self.is_slack() => format!(
                 "All parts lie within their tolerances. They scatter by {scatter}."
@@ -153,7 +153,7 @@ impl Diagnosed {
     /// Whether readings of a slack cable are left out.
     fn is_slack(&self) -> bool {
         let slack = self.diagnosis.slack.as_ref();
-        slack.is_some_and(|slack| slack.is_left_out())
+        slack.is_some_and(|slack| slack.is_left_out)
     }
 
     /// Number of findings that are causes.

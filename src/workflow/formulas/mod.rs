@@ -43,7 +43,7 @@ pub fn unexplained(diagnosed: &Diagnosed) -> Vec<Reading> {
         for subject in std::iter::once(&finding.subject).chain(others) {
             let reading = match subject {
                 Subject::UnmodelledError(error) => Reading::of(error.readings.quantity),
-                Subject::Cause(_) | Subject::WrongDrawing(_) => None,
+                Subject::Cause(_) | Subject::WrongDrawing(_) | Subject::Slack(_) => None,
             };
             found.extend(reading.filter(|reading| !found.contains(reading)));
         }

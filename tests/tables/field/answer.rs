@@ -73,8 +73,10 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
         .map(String::as_str)
         .collect();
     let slack = told.diagnosis.slack.as_ref();
-    let slack = slack.filter(|slack| slack.is_left_out());
-    let drawing = told.diagnosis.drawing.as_ref();
+    let may_be_slack = slack.map(|slack| slack.cable + 1);
+    let slack = slack.filter(|slack| slack.is_left_out);
+    let may_be_drawing = told.diagnosis.drawing.as_ref();
+    let drawing = may_be_drawing.filter(|drawing| drawing.is_named());
     let wanted: &[Cause] = match right {
         Right::Causes(wanted) => wanted,
         _ => &[],
@@ -117,6 +119,9 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
                 |column: &String| said.contains(&column.as_str()) || exchanged.contains(column);
             columns.iter().all(is_said)
         }
+        Right::Slack(cable, _) if slack.is_none() && may_be_slack == Some(*cable) => {
+            return Answer::Listed;
+        }
         Right::Slack(cable, poses) => {
             slack.is_some_and(|slack| slack.cable + 1 == *cable && slack.poses == *poses)
         }
@@ -127,7 +132,10 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
             if subjects.any(|one| matches!(one, Subject::WrongDrawing(found) if is_it(*found))) {
                 return Answer::Listed;
             }
-            drawing.is_some_and(|found| is_it(found.pattern))
+            match may_be_drawing {
+                Some(found) if !found.is_named() && is_it(found.pattern) => return Answer::Listed,
+                found => found.is_some_and(|found| is_it(found.pattern)),
+            }
         }
         Right::Nothing => findings.is_empty(),
         Right::AtMost(_) => true,
