@@ -16,7 +16,7 @@ use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
 use super::fitted_problem::{
-    independent_dataset, problem_at_fitted_poses, usual_variance, with_variance,
+    chi2_with, independent_dataset, problem_at_fitted_poses, usual_variance, with_variance,
 };
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
@@ -26,7 +26,7 @@ use super::noise::noise_statements;
 use super::priors::{AS_STATED, EXPECTED_CAUSES, FACTORS, MOST_WIDER, RELATIVE_SD};
 use super::progress::Reporter;
 use super::report::{
-    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, Subject, ToleranceFactor,
+    Cause, Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, Subject, ToleranceFactor,
     UnseenFault,
 };
 use super::residual_space::ResidualSpace;
@@ -208,8 +208,14 @@ fn allow_for_slack(
     if is_listed || slack.log_odds < 0.0 {
         found.slack = Some(slack);
     } else if other.extended.adequate || !found.extended.adequate {
-        slack.is_left_out = true;
-        other.slack = Some(slack);
+        // Causes that are found without these readings may explain them, too.
+        let causes: Vec<Cause> = (other.findings.iter())
+            .filter_map(|finding| finding.cause().cloned())
+            .collect();
+        let chi2 = chi2_with(dataset, &causes, other.tolerances.factor)?;
+        let beside = without.log_prior - 0.5 * other.extended.global.chi2 / variance;
+        slack.is_left_out = beside > -0.5 * chi2 / variance;
+        other.slack = Some(slack).filter(|slack| slack.is_left_out);
         *found = other;
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::budget::{MIN_REDUNDANCY_OF_NOISE, MOST_DIAGNOSED_ROWS};
 use super::fit::Fit;
-use super::report::Quantity;
+use super::report::{Cause, Quantity};
 use super::residual_space::ResidualSpace;
 use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
@@ -32,10 +32,18 @@ pub(super) fn independent_dataset(dataset: &Dataset) -> Result<(Dataset, usize),
     Ok((independent, rows))
 }
 
-/// Chi-square of the model of a dataset without a cause.
-pub(super) fn chi2_without_causes(dataset: &Dataset) -> Result<f64, EstimationError> {
+/// Chi-square of the model of a dataset with some causes, if parts deviate by their tolerances times a factor.
+pub(super) fn chi2_with(
+    dataset: &Dataset,
+    causes: &[Cause],
+    factor: f64,
+) -> Result<f64, EstimationError> {
     let problem = problem_at_fitted_poses(dataset)?;
-    Ok(Fit::new(&problem, &[])?.solution.chi2)
+    let mut fit = Fit::new(&problem, causes)?;
+    if factor > 0.0 {
+        fit = Fit::new(&fit.problem_with_deviations(factor), &fit.causes)?;
+    }
+    Ok(fit.solution.chi2)
 }
 
 /// Variance of the lengths in that stated, of the middle half of them: a few wrong ones do not change it. Parts deviate by their

@@ -20,7 +20,7 @@ use super::budget::{
     LARGEST_SHARE_OF_SLACK, MAX_SLACK_CABLES, MAX_SLACK_POSES, MIN_REDUNDANCY_OF_SLACK, MIN_RELIEF,
 };
 use super::fit::Fit;
-use super::fitted_problem::{chi2_without_causes, problem_at_fitted_poses};
+use super::fitted_problem::{chi2_with, problem_at_fitted_poses};
 use super::priors::{LARGEST_SLACK, SLACK_CABLE, SLACK_FORCE};
 use super::report::SlackCable;
 use super::residual_space::ResidualSpace;
@@ -34,6 +34,8 @@ pub(super) struct WithoutSlack {
     pub dataset: Dataset,
     /// Log evidence relative to readings without misfit.
     pub log_evidence: f64,
+    /// The part of it that does not depend on the misfit.
+    pub log_prior: f64,
 }
 
 /// A length reading that is too long.
@@ -98,7 +100,7 @@ fn slack_of(
         .collect();
     let is_read = !data.force_n.is_empty() && dataset.robot.cables[cable].force_sensor.is_some();
     let log_prior = (SLACK_CABLE / dataset.robot.cable_count() as f64).ln();
-    let without = |dataset: Dataset, rows: &[usize], excess_m, log_evidence| {
+    let without = |dataset: Dataset, rows: &[usize], excess_m, log_prior: f64, chi2: f64| {
         let mut poses: Vec<i64> = rows.iter().map(|row| data.labels[*row]).collect();
         poses.sort_unstable();
         WithoutSlack {
@@ -110,7 +112,8 @@ fn slack_of(
                 is_left_out: false,
             },
             dataset,
-            log_evidence,
+            log_evidence: log_prior - 0.5 * chi2 / rival.variance,
+            log_prior,
         }
     };
     let largest_m = largest_slack_m(dataset);
@@ -127,10 +130,9 @@ fn slack_of(
             leave_out(&mut kept, *row, cable);
         }
         let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
-        let chi2 = chi2_without_causes(&kept)?;
-        let log_evidence =
-            log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2 / rival.variance;
-        return Ok(Some(without(kept, &possible, None, log_evidence)));
+        let chi2 = chi2_with(&kept, &[], 0.0)?;
+        let log_prior = log_prior - possible.len() as f64 * price(sd_m);
+        return Ok(Some(without(kept, &possible, None, log_prior, chi2)));
     }
     let mut rows: Vec<usize> = Vec::new();
     let mut excess_m = [f64::INFINITY, 0.0];
@@ -143,12 +145,12 @@ fn slack_of(
     while rows.len() <= most && may_win(cost, rows.len()) && go_on() {
         let problem = problem_at_fitted_poses(&kept)?;
         let fit = Fit::new(&problem, &[])?;
-        let log_evidence = log_prior + log_share_of(&rows, &possible)
-            - cost
-            - 0.5 * fit.solution.chi2 / rival.variance;
-        let is_better = (best.as_ref()).is_none_or(|best| log_evidence > best.log_evidence);
+        let log_prior = log_prior + log_share_of(&rows, &possible) - cost;
+        let chi2 = fit.solution.chi2;
+        let slack = without(kept.clone(), &rows, Some(excess_m), log_prior, chi2);
+        let is_better = (best.as_ref()).is_none_or(|best| slack.log_evidence > best.log_evidence);
         if !rows.is_empty() && is_better {
-            best = Some(without(kept.clone(), &rows, Some(excess_m), log_evidence));
+            best = Some(slack);
         }
         let order = |a: &TooLong, b: &TooLong| a.relief.total_cmp(&b.relief);
         let Some(next) = too_long(&fit, &kept, cable).into_iter().max_by(order) else {
