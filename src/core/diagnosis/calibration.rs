@@ -3,6 +3,8 @@
 // What is named and listed.
 /// Probability from which a cause is named, or several together are listed.
 pub const NAMING_PROBABILITY: f64 = 0.95;
+/// Probability from which a wrong drawing is listed although the readings agree with it: to measure the places again costs little.
+pub(super) const LISTED_DRAWING: f64 = 0.2;
 /// Probability of detection at the smallest visible size.
 pub(super) const POWER: f64 = 0.9;
 /// Difference of chi-square by which a further pose counts as decisive between two causes.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::calibration::POWER;
+use super::calibration::{LISTED_DRAWING, POWER};
 use super::candidates::size_parameter;
 use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
 use super::cause_sets::set_probabilities;
@@ -69,7 +69,8 @@ pub fn diagnose(
         found.drawing = drawing_evidence(robot, solution, widening).and_then(|evidence| {
             let log_odds = of_wider.unwrap_or(evidence.log_odds);
             let drawing = wrong_drawing(robot, solution, evidence.pattern, log_odds);
-            drawing.filter(|_| log_odds > 0.0)
+            let least = (LISTED_DRAWING / (1.0 - LISTED_DRAWING)).ln();
+            drawing.filter(|_| log_odds > least)
         });
     }
     found.tolerances.are_stated = dataset.robot.tolerances.is_some();

@@ -1,8 +1,8 @@
 //! The drawing as a hypothesis: pulleys that deviate from their described places by more than the stated uncertainty.
 //!
 //! Every fit estimates the places, so that a wrong drawing needs no extension of the model, but it is a finding. If a drawing is wrong, its
-//! places are known [`PLACES_WIDER`] times less well than stated, each of its own or all in one pattern: the distance of the pulleys
-//! along an axis, a turn of all about an axis, or one pulley alone. The evidence decides, at a fit with the places as stated, or with
+//! places are known [`MOST_WIDER`] times less well than stated, or one pattern is [`PLACES_WIDER`] times less well known: the distance of
+//! the pulleys along an axis, a turn of all about an axis, or one pulley alone. The evidence decides, at a fit with the places as stated, or with
 //! wider ones if the readings contradict the stated ones so much that no cause explains them.
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -218,21 +218,15 @@ pub(super) fn drawing_evidence(
         PLACES_WIDER.into_iter().flat_map(of_widening).collect();
     let most = patterns.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let in_pattern = log_sum(patterns.iter().map(|one| one.1)) - (patterns.len() as f64).ln();
-    let anywhere = |widening: f64| {
-        let wider = &displacements.stated * widening.powi(2);
-        of_prior(&DMatrix::from_diagonal(&wider))
-    };
-    let each = PLACES_WIDER
-        .iter()
-        .filter_map(|widening| Some(anywhere(*widening)?.log()));
-    let all_of_their_own = log_sum(each) - (PLACES_WIDER.len() as f64).ln();
-    let wrong = log_sum([all_of_their_own, in_pattern].into_iter());
+    let wider = &displacements.stated * MOST_WIDER.powi(2);
+    let anywhere = of_prior(&DMatrix::from_diagonal(&wider))?;
+    let wrong = log_sum([anywhere.log(), in_pattern].into_iter());
     let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
     let stated = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
     let right = (1.0 - WRONG_DRAWING).ln() + stated.log();
     Some(DrawingEvidence {
         log_odds: wrong - right,
-        of_wider: wrong - anywhere(MOST_WIDER)?.gain(),
+        of_wider: wrong - anywhere.gain(),
         of_stated: right - stated.gain(),
         pattern: most.0,
     })

@@ -65,12 +65,12 @@ pub(super) const LARGEST_SLACK: f64 = 0.015;
 pub(super) const SLACK_FORCE: f64 = 4.0;
 
 // The drawing.
-/// Prior probability that the places of the pulleys are not those that the description states, as in six of 34 public bug reports.
-pub(super) const WRONG_DRAWING: f64 = 0.15;
-/// Factors of the stated standard deviations of the places if the drawing is wrong, equally probable: from a hole beside the right one
-/// to typing and measuring errors of decimetres where millimetres are stated.
+/// Prior probability that the places of the pulleys are not those that the description states.
+pub(super) const WRONG_DRAWING: f64 = 0.05;
+/// Factors of the stated standard deviation of a pattern if the drawing is wrong, equally probable: from a hole beside the right one to
+/// typing and measuring errors of decimetres where millimetres are stated.
 pub(super) const PLACES_WIDER: [f64; 3] = [3.0, 10.0, 30.0];
-/// The last of them.
+/// The last of them, also that of places that are wrong anywhere: less would let them explain any small error.
 pub(super) const MOST_WIDER: f64 = PLACES_WIDER[2];
 
 // Noise.

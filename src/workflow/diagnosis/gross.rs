@@ -119,10 +119,15 @@ impl Diagnosed {
         };
         let mut lines = vec![match drawing.is_named() {
             true => format!("The drawing is wrong: {what}."),
-            false => format!(
-                "The drawing may be wrong, at odds of {} to 1: {what}.",
-                significant(drawing.log_odds.exp(), 2)
-            ),
+            false => {
+                let way = if drawing.log_odds < 0.0 {
+                    "against"
+                } else {
+                    "for"
+                };
+                let odds = significant(drawing.log_odds.abs().exp(), 2);
+                format!("The drawing may be wrong, at odds of {odds} to 1 {way} it: {what}.")
+            }
         }];
         if matches!(drawing.pattern, DrawingPattern::Pulley(_)) && !self.robot().platform.turns() {
             lines.push("On a platform that does not turn, its attachment point may be off by as much the other way instead.".to_owned());
