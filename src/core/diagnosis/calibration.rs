@@ -57,6 +57,11 @@ pub(super) fn share_of_atypical_size(log_rarity: f64) -> f64 {
     1.0 / (CEILING + (1.0 - CEILING) * log_rarity.exp())
 }
 
+/// Log odds at which a cause is named or listed.
+pub(super) fn log_naming_odds() -> f64 {
+    (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
+}
+
 // Errors without a name.
 /// Log posterior odds from which an unmodelled error is reported.
 pub(super) const REPORTED_LOG_ODDS: f64 = 5.0;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::calibration::{LISTED_DRAWING, POWER};
+use super::calibration::{LISTED_DRAWING, POWER, log_naming_odds};
 use super::candidates::size_parameter;
 use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
 use super::cause_sets::set_probabilities;
@@ -20,7 +20,6 @@ use super::fitted_problem::{
 };
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
-use super::isolability::log_naming_odds;
 use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
 use super::priors::{AS_STATED, EXPECTED_CAUSES, FACTORS, MOST_WIDER, RELATIVE_SD};

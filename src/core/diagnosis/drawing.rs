@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::isolability::is_seen;
+use super::calibration::log_naming_odds;
 use super::priors::{MOST_WIDER, PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
 use crate::evidence::Evidence;
@@ -56,7 +56,7 @@ impl WrongDrawing {
     /// Whether it is probable enough to be named.
     #[must_use]
     pub fn is_named(&self) -> bool {
-        is_seen(self.log_odds)
+        self.log_odds >= log_naming_odds()
     }
 }
 

@@ -34,7 +34,7 @@ mod tests;
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
-use super::calibration::NAMING_PROBABILITY;
+use super::calibration::log_naming_odds;
 use super::candidates::{Candidate, size_parameter};
 use super::fit::Fit;
 use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
@@ -377,11 +377,6 @@ impl ExpectedScores {
         let explained = beside.clone().cholesky();
         total - explained.map_or(0.0, |factor| far.dot(&factor.solve(far)))
     }
-}
-
-/// Log odds at which a cause is named or listed.
-pub(super) fn log_naming_odds() -> f64 {
-    (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
 }
 
 /// Whether a cause with these log posterior odds against no cause becomes a finding, named or in a list of alternatives.
