@@ -13,6 +13,11 @@ pub(crate) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
     largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
 }
 
+/// Log odds of a probability.
+pub(crate) fn logit(probability: f64) -> f64 {
+    (probability / (1.0 - probability)).ln()
+}
+
 /// Probability that a chi-square variable exceeds `value`; `None` without degrees of freedom.
 #[must_use]
 pub fn chi_square_survival(value: f64, degrees_of_freedom: f64) -> Option<f64> {

@@ -1,5 +1,7 @@
 //! Thresholds of decisions on computed probabilities, and the calibration of stated probabilities.
 
+use crate::statistics::logit;
+
 // What is named and listed.
 /// Probability from which a cause is named, or several together are listed.
 pub const NAMING_PROBABILITY: f64 = 0.95;
@@ -59,7 +61,7 @@ pub(super) fn share_of_atypical_size(log_rarity: f64) -> f64 {
 
 /// Log odds at which a cause is named or listed.
 pub(super) fn log_naming_odds() -> f64 {
-    (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
+    logit(NAMING_PROBABILITY)
 }
 
 // Errors without a name.

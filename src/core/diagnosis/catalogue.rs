@@ -20,6 +20,7 @@ use crate::effect::{
     BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search, amplitude_of,
 };
 use crate::estimation::{Linearisation, ParameterId};
+use crate::statistics::logit;
 
 /// On a platform that cannot turn, a wrong attachment point is a wrong place of the pulley, the other way: the drawing's.
 const ATTACHMENT: &str = "platform_anchor";
@@ -438,7 +439,7 @@ impl Builder<'_> {
             prior: prior.unpack(),
             scales: scales(size),
             is_positive: size.bounds[0] == 0.0 && sds.len() == 1,
-            log_odds: (share / (1.0 - share)).ln(),
+            log_odds: logit(share),
             log_places: (places as f64).ln(),
         });
     }

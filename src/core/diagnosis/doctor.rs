@@ -36,7 +36,7 @@ use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CATALOGUE, CablePorts, Dual, Scope};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
-use crate::statistics::normal_quantile;
+use crate::statistics::{logit, normal_quantile};
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
 /// causes, as the geometry is. Rows of one standstill are averaged, recordings in motion are thinned to independent
@@ -67,9 +67,8 @@ pub fn diagnose(
         let (robot, solution) = (&dataset.robot, &found.extended_solution);
         found.drawing = drawing_evidence(robot, solution, widening).and_then(|evidence| {
             let log_odds = of_wider.unwrap_or(evidence.log_odds);
-            let drawing = wrong_drawing(robot, solution, evidence.pattern, log_odds);
-            let least = (LISTED_DRAWING / (1.0 - LISTED_DRAWING)).ln();
-            drawing.filter(|_| log_odds > least)
+            let is_listed = log_odds > logit(LISTED_DRAWING);
+            is_listed.then(|| wrong_drawing(robot, solution, evidence.pattern, log_odds))?
         });
     }
     found.tolerances.are_stated = dataset.robot.tolerances.is_some();

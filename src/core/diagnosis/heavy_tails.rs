@@ -13,7 +13,7 @@ use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
 use super::report::{Cause, Quantity};
 use super::residual_space::ResidualSpace;
 use crate::effect::Search;
-use crate::statistics::log_sum;
+use crate::statistics::{log_sum, logit};
 
 /// A single wrong reading, of one number or of a vector.
 #[derive(Debug, Clone)]
@@ -140,8 +140,7 @@ fn log_odds(wrong: &[&WrongReading], others: &[(f64, f64)]) -> f64 {
         }
     }
     let count = (with_tails.len() as f64).ln();
-    log_sum(with_tails.into_iter()) - count - with_wrong_readings
-        + (HEAVY_TAILS / (1.0 - HEAVY_TAILS)).ln()
+    log_sum(with_tails.into_iter()) - count - with_wrong_readings + logit(HEAVY_TAILS)
 }
 
 /// Log density of Student's t with 3, 4 or 6 degrees of freedom.

@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::search::{evidence, jump_probability};
 use super::state::{Followed, TYPICAL_MOVE_M};
 use super::{CERTAIN, DatedRun, History, HistoryError, RobotPart, smoothed};
-use crate::statistics::covariance_root;
+use crate::statistics::{covariance_root, logit};
 
 /// Number of random moves from which a probability of detection is computed, and their seed.
 const MOVES: usize = 400;
@@ -39,7 +39,7 @@ pub fn check(baseline: &DatedRun<'_>, check: &DatedRun<'_>) -> Result<HealthChec
     let days = check.days - baseline.days;
     let prior = jump_probability(days, check.follows_event, history.parts.len());
     Ok(HealthCheck {
-        log_odds: (prior / (1.0 - prior)).ln(),
+        log_odds: logit(prior),
         history,
     })
 }
@@ -105,7 +105,7 @@ struct Moves<'a> {
 
 impl Moves<'_> {
     fn detection(&self, move_m: f64) -> f64 {
-        let certain = (CERTAIN / (1.0 - CERTAIN)).ln();
+        let certain = logit(CERTAIN);
         let found = self.scores.column_iter().zip(self.noise.column_iter());
         let found = found.filter(|(score, noise)| {
             let score: DVector<f64> = score * move_m + noise;

@@ -6,7 +6,7 @@ use super::state::State;
 use super::timeline::{Change, Course, Timeline};
 use super::{CERTAIN, Drift, History, Jump, LISTED, SmoothedState};
 use crate::evidence::Evidence;
-use crate::statistics::log_sum;
+use crate::statistics::{log_sum, logit};
 
 /// Jumps of parts of a robot that are expected per year.
 pub(super) const JUMPS_PER_YEAR: f64 = 1.0;
@@ -85,7 +85,7 @@ impl<'a> Search<'a> {
         let mut candidates = Vec::new();
         for part in (0..parts).filter(|part| !state.numbers_of(*part).is_empty()) {
             let mut push = |course: Course, probability: f64| {
-                let log_odds = (probability / (1.0 - probability)).ln();
+                let log_odds = logit(probability);
                 candidates.push((Change { part, course }, log_odds));
             };
             for after in 0..timeline.times.len() - 1 {

@@ -9,11 +9,12 @@ use tautline_link::parameters::{EffectName, parameters_and_home_lengths, set_par
 
 use super::{Doubt, DoubtKind};
 use crate::wording::list;
+use crate::wording::parameters::cable_of;
 use crate::wording::units::{quantity, significant, unit_of};
 
 /// Error below which a controller needs no parameter (m): the effect acts on readings alone, to rounding.
 const EXACT_M: f64 = 1e-6;
-/// Share of the error up to which values make up for all of it: ten times less than the effect itself is known by.
+/// Share of the error up to which values make up for all of it: the size of an effect is seldom known to a hundredth.
 const MADE_UP_FOR: f64 = 0.01;
 /// Number of poses of the workspace at which the error is computed.
 const POSES: usize = 40;
@@ -66,8 +67,11 @@ pub(super) fn unsupported_effects<'a>(
 
 /// Gives the entry points and drums that a controller holds the values with which the platform errs least without the effects
 /// that it cannot hold; `None`, and nothing is changed, if the platform moves equally well without these effects.
-pub(super) fn adapt(model: &Robot, lines: &mut [Difference]) -> Option<Adaptation> {
-    let effects = unsupported_effects(model, lines);
+pub(super) fn adapt(
+    model: &Robot,
+    effects: &[&EffectSetting],
+    lines: &mut [Difference],
+) -> Option<Adaptation> {
     if effects.is_empty() {
         return None;
     }
@@ -77,11 +81,7 @@ pub(super) fn adapt(model: &Robot, lines: &mut [Difference]) -> Option<Adaptatio
         .collect();
     let what = format!("This controller cannot hold {}", list(&names));
     let them = if names.len() == 1 { "it" } else { "them" };
-    let mut without = model.clone();
-    without
-        .effects
-        .retain(|setting| !effects.contains(&setting));
-    let Some((before_m, adapted, after_m)) = best(model, &without, lines) else {
+    let Some((before_m, adapted, after_m)) = best(model, effects, lines) else {
         return Some(Adaptation {
             sentence: format!(
                 "{what}; how far the platform errs without {them} cannot be computed"
@@ -114,21 +114,22 @@ pub(super) fn adapt(model: &Robot, lines: &mut [Difference]) -> Option<Adaptatio
     })
 }
 
-/// The error of a controller that holds `without` instead of `model` (m), the robot nearest to `without` among those that it
-/// could hold, and the error of that one; `None` if the model cannot be evaluated.
-fn best(model: &Robot, without: &Robot, lines: &[Difference]) -> Option<(f64, Robot, f64)> {
+/// The error of a controller that holds the model without some effects (m), the robot that errs least among those that it could
+/// hold, and the error of that one; `None` if the model cannot be evaluated.
+fn best(
+    model: &Robot,
+    effects: &[&EffectSetting],
+    lines: &[Difference],
+) -> Option<(f64, Robot, f64)> {
+    let mut without = model.clone();
+    without.effects.retain(|one| !effects.contains(&one));
     let expected = ExpectedLengths::of(model, Workspace::of(model), POSES).ok()?;
     // The length of a cable depends on its own pulley and drum alone.
-    let lacking = model
-        .effects
-        .iter()
-        .filter(|one| !without.effects.contains(one));
-    let lacking: Vec<&EffectSetting> = lacking.collect();
     let is_concerned = |line: &Difference| {
-        lacking.iter().any(|one| {
-            let mut names = one.targets.iter();
-            one.targets.is_empty() || names.any(|cable| line.name.starts_with(&format!("{cable}.")))
-        })
+        let cable = cable_of(&model.cables, &line.name);
+        let cable = cable.map(|index| &model.cables[index].name);
+        let mut targets = effects.iter().map(|one| &one.targets);
+        cable.is_some_and(|cable| targets.any(|of| of.is_empty() || of.contains(cable)))
     };
     let free = lines.iter().filter_map(|line| {
         let start = line.identified.filter(|_| line.controller.is_some())?;
@@ -153,7 +154,7 @@ fn best(model: &Robot, without: &Robot, lines: &[Difference]) -> Option<(f64, Ro
         free.iter().map(|(_, start, range)| (start, range)).unzip();
     let adapted = robot(&expected.project(&robot, &start, &ranges))?;
     let [before_m, after_m] =
-        [without, &adapted].map(|robot| expected.position_error_m(robot).ok());
+        [&without, &adapted].map(|robot| expected.position_error_m(robot).ok());
     Some((before_m?, adapted, after_m?))
 }
 
@@ -203,7 +204,8 @@ mod tests {
                 .collect(),
         }];
         let mut lines = plan_adjustment(&held, &model, None);
-        (adapt(&model, &mut lines), lines)
+        let effects: Vec<&EffectSetting> = unsupported_effects(&model, &lines);
+        (adapt(&model, &effects, &mut lines), lines)
     }
 
     /// Distances from the test poses at which a platform comes to rest in equilibrium (m), root mean square, if the controller
@@ -270,7 +272,8 @@ mod tests {
             parameters: [("amplitude".to_owned(), 5e-4), ("phase".to_owned(), 0.5)].into(),
         }];
         let lines = plan_adjustment(&parameters_of(&nominal), &model, None);
-        let (before_m, adapted, after_m) = best(&model, &nominal, &lines).expect("errors");
+        let (before_m, adapted, after_m) =
+            best(&model, &[&model.effects[0]], &lines).expect("errors");
         for (robot, error_m) in [(&nominal, before_m), (&adapted, after_m)] {
             let simulated_m = simulated_error_m(&model, robot);
             assert!(

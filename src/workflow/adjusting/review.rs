@@ -36,8 +36,8 @@ impl Review {
         }
         let effects = unsupported_effects(model, &lines);
         Self {
+            adaptation: adapt(model, &effects, &mut lines),
             effects: effects.into_iter().cloned().collect(),
-            adaptation: adapt(model, &mut lines),
             lines,
         }
     }

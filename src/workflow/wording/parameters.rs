@@ -12,7 +12,10 @@ pub fn cable_of(cables: &[Cable], name: &str) -> Option<usize> {
         Some(name) => name.targets == cable.name,
         None => is_of(name, &cable.name),
     };
-    cables.iter().position(is_of)
+    // A name may begin with that of another cable.
+    let all = cables.iter().enumerate().filter(|(_, cable)| is_of(cable));
+    let longest = all.max_by_key(|(_, cable)| cable.name.len());
+    longest.map(|(index, _)| index)
 }
 
 fn is_of(name: &str, cable: &str) -> bool {

@@ -9,14 +9,14 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7593),
-    ("core", 37816),
+    ("core", 37818),
     ("import", 18904),
     ("link", 10448),
     ("python", 989),
     ("session", 8198),
     ("study", 3179),
     ("workbench", 37411),
-    ("workflow", 21036),
+    ("workflow", 21039),
 ];
 
 fn is_of_tests(path: &Path) -> bool {

@@ -334,7 +334,10 @@ fn an_effect_taken_out_of_the_model_is_taken_out_of_the_controller() {
     connect(&mut bench);
     bench.press("Write to the controller");
     bench.name_operator("Ada");
+    // Enter is not an answer to a warning.
+    bench.harness.key_press(Key::Enter);
     bench.harness.run_ok();
+    assert!(bench.state().model.dialogs.writing.is_some());
     bench.press("Write anyway");
     bench.wait("the values", |state| !state.model.link.writing);
     assert_eq!(held(&bench), 0.0);

@@ -137,7 +137,7 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
                 found => found.is_some_and(|found| is_it(found.pattern)),
             }
         }
-        Right::Nothing => findings.is_empty(),
+        Right::Nothing => findings.is_empty() && may_be_drawing.is_none() && may_be_slack.is_none(),
         Right::AtMost(_) => true,
     };
     match is_right {
