@@ -10,7 +10,7 @@ use super::confidence::{
     ConfirmedCauses, add_alternative, allow_for_errors, assess_fit, confirm_causes, log_rarity_of,
     reject_replaceable_causes, state_probabilities,
 };
-use super::drawing::{drawing_evidence, with_wider_places, wrong_drawing};
+use super::drawing::{DrawingEvidence, drawing_evidence, with_wider_places, wrong_drawing};
 use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
@@ -106,7 +106,9 @@ fn allow_for_wrong_drawing(
     }
     let solution = &other.extended_solution;
     let evidence = drawing_evidence(&dataset.robot, solution, MOST_WIDER);
-    let Some(evidence) = evidence.filter(|_| solution.converged()) else {
+    // The stated places may also be right beside the causes that are found with wider ones.
+    let may_be_wrong = |one: &DrawingEvidence| one.log_odds > -log_naming_odds();
+    let Some(evidence) = evidence.filter(|one| solution.converged() && may_be_wrong(one)) else {
         return Ok(None);
     };
     // Errors that wider places leave are none of the drawing, which is then judged by the readings of the other cables.
@@ -133,7 +135,7 @@ fn allow_for_wrong_drawing(
     };
     let known = evidence.of_stated + log_evidence(as_stated.as_ref().unwrap_or(found), 1.0);
     let wrong = evidence.of_wider + log_evidence(&other, 1.0);
-    let log_odds = wrong - known;
+    let log_odds = evidence.log_odds.min(wrong - known);
     let is_open = log_odds.abs() < log_naming_odds();
     let subject = Subject::WrongDrawing(evidence.pattern);
     let is_listed = is_open && list_beside_causes(found, &subject, &other, log_odds);

@@ -27,9 +27,18 @@ fn an_unexplained_error_gets_a_pattern_which_as_a_hypothesis_explains_it() {
         &bad,
     ])
     .succeeded();
-    let found = tautline(&["formulas", &bad, "-o", &out, "--json", "-"])
-        .succeeded()
-        .json();
+    let found = tautline(&[
+        "formulas",
+        &bad,
+        "--time-limit",
+        "600",
+        "-o",
+        &out,
+        "--json",
+        "-",
+    ])
+    .succeeded()
+    .json();
     assert_valid(&found);
     assert_eq!(found["format"], "tautline-formulas");
     let first = &found["patterns"][0];
