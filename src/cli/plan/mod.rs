@@ -12,7 +12,6 @@ use tautline_core::estimation::Control;
 use tautline_core::planning::{Goal, Plan, PlanError, PlanOptions, USUAL_POSES, plan};
 use tautline_core::robot::Robot;
 use tautline_workflow::health;
-use tautline_workflow::planning::HomeGain;
 
 use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
@@ -23,7 +22,7 @@ use crate::replace::OutputFile;
 use check_against::Detect;
 use goal::GoalName;
 use tautline_workflow::isolability::IsolabilityDocument;
-use tautline_workflow::planning::PlanDocument;
+use tautline_workflow::planning::{HomeGain, PlanDocument, tape_gain};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -111,9 +110,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if !document.detection.is_empty() {
             check_against::print(&document.detection);
         }
-        if let Some(sentence) = HomeGain::of(&planned).sentence() {
-            say!("{sentence}");
-        }
+        let home = HomeGain::of(&planned).sentence();
+        let tape = tape_gain(&planned, |place| planned.poses[place].label);
+        home.into_iter()
+            .chain(tape)
+            .for_each(|sentence| say!("{sentence}"));
         if let Some(path) = out {
             confirm!("the poses are in {}", path.display());
         }

@@ -155,6 +155,12 @@ impl Distances {
         })
     }
 
+    /// `A'` and `K`.
+    pub fn coupled(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+        let lower = self.factor.l();
+        (&lower * &self.design, &lower * lower.transpose())
+    }
+
     /// The distances as readings: index, whitened residual, share of its variance that is left with known parameters, which is
     /// the diagonal of `K^-1`, and derivative by the parameters, `K^-1 A'`.
     pub fn readings(&self) -> Vec<(usize, f64, f64, DVector<f64>)> {

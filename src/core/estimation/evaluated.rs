@@ -72,8 +72,12 @@ impl<'a, T: Packet> Evaluated<'a, T> {
         evaluated
     }
 
-    /// The distances, with the poses eliminated at the solution.
-    pub fn distances(&mut self, problem: &Problem<'_>, solution: &Solution) -> Option<Distances> {
+    /// The distances, with the poses eliminated where they are.
+    pub fn distances(
+        &mut self,
+        problem: &Problem<'_>,
+        (globals, parameters): (&Globals, &[Parameter]),
+    ) -> Option<Distances> {
         if !problem.has_distances() {
             return None;
         }
@@ -81,8 +85,8 @@ impl<'a, T: Packet> Evaluated<'a, T> {
         self.poses.assemble(None, 0.0);
         let state = DistanceState {
             problem,
-            globals: &solution.globals,
-            parameters: &solution.parameters,
+            globals,
+            parameters,
             map: &self.map,
             home: &self.home,
             huber: None,

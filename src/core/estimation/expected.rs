@@ -100,6 +100,31 @@ impl ExpectedInformation {
     }
 }
 
+/// Derivatives of expected distances by the common parameters, with the poses eliminated.
+#[derive(Debug, Clone)]
+pub struct ExpectedDistances {
+    /// Derivatives; distances x parameters, in standard deviations.
+    pub rows: DMatrix<f64>,
+    /// Covariance of the distances with known parameters: that of their readings and of the poses that they connect.
+    pub covariance: DMatrix<f64>,
+}
+
+impl ExpectedDistances {
+    /// Evaluates the distances of a problem at its nominal values, as [`ExpectedInformation::new`] does its poses; `None` if it
+    /// has none.
+    #[must_use]
+    pub fn new(problem: &Problem<'_>, poses: &[Pose]) -> Option<Self> {
+        let globals = Globals::nominal(problem);
+        let parameters = problem.parameters();
+        let rows = problem.pose_rows();
+        let poses = (rows.as_slice(), poses);
+        let division = Division::default();
+        let mut at = Evaluated::<f64>::new((), problem, &globals, &parameters, poses, division);
+        let (rows, covariance) = at.distances(problem, (&globals, &parameters))?.coupled();
+        Some(Self { rows, covariance })
+    }
+}
+
 fn remaining_rows(at: &mut Evaluated<'_, f64>, index: usize) -> DMatrix<f64> {
     let layout = at.poses.layout().clone();
     let (poses, index) = at.poses.part_with(index);

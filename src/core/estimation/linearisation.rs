@@ -288,7 +288,10 @@ impl<'a> LinearisedProblem<'a> {
     /// The distances, with what the readings of the poses leave unknown about them; the rows are independent.
     pub fn distances(&mut self) -> LinearBlock {
         let readings = &self.problem.dataset.measurements.distances;
-        let Some(distances) = self.at.distances(self.problem, self.solution) else {
+        let Some(distances) = self.at.distances(
+            self.problem,
+            (&self.solution.globals, &self.solution.parameters),
+        ) else {
             return LinearBlock::empty(self.solution.parameters.len());
         };
         let row = |(index, reading): (usize, &DistanceReading)| LinearRow {

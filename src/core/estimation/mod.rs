@@ -33,7 +33,7 @@ pub use budget::{
     CovarianceBySource, UncertaintyBudget, UncertaintyContribution, UncertaintySource,
 };
 pub use covariance::covariance_of;
-pub use expected::ExpectedInformation;
+pub use expected::{ExpectedDistances, ExpectedInformation};
 pub use globals::Globals;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
 pub use observation::{

@@ -1,13 +1,14 @@
 //! Knowledge of the robot at the time of planning, and the information that further poses would add.
 
 use super::goal::faults;
-use super::{PlanError, PlanOptions};
+use super::{PlanError, PlanOptions, tape};
 use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{
-    Control, EstimationError, ExpectedInformation, Options, Problem, Solution, solve,
+    Control, EstimationError, ExpectedDistances, ExpectedInformation, Options, Problem, Solution,
+    solve,
 };
 use crate::geometry::Pose;
-use crate::measurement::{Dataset, Measurements};
+use crate::measurement::{Dataset, DistanceReading, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{
     PlannedRow, SimulationError, TensionRange, Workspace, holding_tensions_after_home,
@@ -161,6 +162,21 @@ impl<'a> InformationModel<'a> {
             information.common.gemm_tr(1.0, &rows, &rows, 1.0);
         }
         Ok(information)
+    }
+
+    /// The longest distances between home and these poses, by their places among them, with their lengths (m), and what they would
+    /// tell; `None` if there are none.
+    pub fn distances(
+        &self,
+        planned: impl Iterator<Item = PlannedRow>,
+    ) -> Result<Option<(Vec<DistanceReading>, ExpectedDistances)>, PlanError> {
+        let (mut dataset, poses) = self.expected(planned, false)?;
+        let home = self.robot.home.map(|home| home.pose());
+        let all = home.into_iter().chain(poses.iter().copied());
+        dataset.measurements.distances = tape::candidates(&all.enumerate().collect::<Vec<_>>());
+        let problem = self.problem(&dataset)?;
+        let expected = ExpectedDistances::new(&problem, &poses);
+        Ok(expected.map(|expected| (dataset.measurements.distances.clone(), expected)))
     }
 
     /// Robot and expected readings at all poses, measured and planned.

@@ -13,6 +13,7 @@ mod order;
 mod pose_set;
 mod position_error;
 mod prospects;
+mod tape;
 #[cfg(test)]
 mod tests;
 
@@ -23,6 +24,7 @@ pub use order::Order;
 pub use pose_set::{PoseSet, expect, iso_9283_poses, random_poses};
 pub use position_error::{position_jacobians, position_weights};
 pub use prospects::{Prospects, expected_dataset, prospects};
+pub use tape::{PlannedDistance, TAPE_SD_M};
 
 use nalgebra::DMatrix;
 
@@ -33,7 +35,7 @@ use crate::estimation::{
 use crate::geometry::Pose;
 use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
-use crate::simulation::{SimulationError, TensionRange, Workspace};
+use crate::simulation::{PlannedRow, SimulationError, TensionRange, Workspace};
 
 use candidates::{Candidate, draw};
 use goal::Criterion;
@@ -208,6 +210,8 @@ pub struct Plan {
     /// Robot and expected noise-free readings at all poses, measured and planned, as input of
     /// [`isolability`](crate::diagnosis::isolability).
     pub dataset: Dataset,
+    /// Distances that a tape would measure best, in the order of their gain; none where the position error is undetermined.
+    pub distances: Vec<PlannedDistance>,
     information: ExpectedInformation,
     platform: Option<DMatrix<f64>>,
 }
@@ -374,6 +378,29 @@ impl<'a> CandidateSet<'a> {
         Ok(Criterion::new(goal, information, faults, weights.as_ref()))
     }
 
+    /// Distances to measure between home and the poses of a plan with this information.
+    fn distances(
+        &self,
+        visits: impl Iterator<Item = PlannedRow>,
+        information: &ExpectedInformation,
+        weights: &DMatrix<f64>,
+    ) -> Result<Vec<PlannedDistance>, PlanError> {
+        let covariance = covariance_of(&information.of(0..information.poses.len()));
+        let Some((covariance, (readings, expected))) =
+            covariance.zip(self.model.distances(visits)?)
+        else {
+            return Ok(Vec::new());
+        };
+        let first = usize::from(self.model.robot.home.is_some());
+        let chosen = tape::choose(expected, covariance, weights).into_iter();
+        let planned = chosen.map(|(index, platform_m)| PlannedDistance {
+            between: readings[index].rows.map(|row| row.checked_sub(first)),
+            distance_m: readings[index].distance_m,
+            platform_m,
+        });
+        Ok(planned.collect())
+    }
+
     /// The plan that visits these poses one after the other.
     fn plan(&self, ordered: &[Candidate], order: Order) -> Result<Plan, PlanError> {
         let options = self.options;
@@ -399,7 +426,12 @@ impl<'a> CandidateSet<'a> {
         let information = self.model.information(visits.clone())?;
         let criterion = self.criterion(&information, labels.clone(), ordered)?;
         let all: Vec<usize> = (0..ordered.len()).collect();
+        let distances = match &platform {
+            Some(weights) => self.distances(visits.clone(), &information, weights)?,
+            None => Vec::new(),
+        };
         Ok(Plan {
+            distances,
             goal: options.goal,
             reached: criterion.value(&all),
             dataset: self.model.dataset(visits)?,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::effect::EffectRequest;
 use crate::estimation::{Options, ParameterId, Problem, Solution, solve};
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, DistanceReading};
 use crate::robot::PartTolerances;
 use crate::robot::presets::{self, Preset};
 use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
@@ -185,6 +185,40 @@ fn errors_scatter_as_expected() {
     }
     let mean = sum / 40.0;
     assert!((mean - 24.0).abs() < 4.4, "{mean}");
+}
+
+#[test]
+fn distances_of_a_tape_gain_what_is_promised() {
+    let mut preset = presets::find("mini").unwrap();
+    preset.robot.laser = None;
+    let plan = planned(&preset, 12);
+    let mut dataset = measured(&preset, poses_of(&plan), false, 1);
+    let platform_m = |dataset: &Dataset| {
+        let solution = identified(dataset);
+        let weights = position_weights(&preset.robot, &preset.workspace, &solution.parameters);
+        weights.unwrap().dot(&solution.covariance.unwrap()).sqrt()
+    };
+    let promised = plan.distances.iter().map(|distance| distance.platform_m);
+    let promised: Vec<f64> = promised.collect();
+    let expected = plan.expected.criteria.platform_m.unwrap();
+    assert!(promised.is_sorted_by(|a, b| a > b) && promised[0] < expected);
+    assert!((platform_m(&dataset) / expected - 1.0).abs() < 1e-3);
+    for (distance, promised) in plan.distances.iter().zip(promised) {
+        let rows = distance.between.map(|place| place.map_or(0, |k| k + 1));
+        let places = rows.map(|row| dataset.measurements.truth.poses[row].position);
+        assert!(((places[1] - places[0]).norm() - distance.distance_m).abs() < 1e-9);
+        dataset.measurements.distances.push(DistanceReading {
+            rows,
+            point_m: [0.0; 3],
+            distance_m: distance.distance_m,
+            sd_m: TAPE_SD_M,
+        });
+        let reached = platform_m(&dataset);
+        assert!(
+            (reached / promised - 1.0).abs() < 1e-3,
+            "{reached} {promised}"
+        );
+    }
 }
 
 #[test]

@@ -37,6 +37,9 @@ pub struct PlanDocument {
     /// Gain by more measurements of the home pose.
     #[serde(default)]
     pub home: Vec<HomeGainDocument>,
+    /// Distances between poses that a tape would measure best, in the order of their gain.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub distances: Vec<PlannedDistanceDocument>,
     /// Goal of the plan: `geometry`, `faults`, `both` or `accuracy`.
     #[serde(default = "geometry")]
     pub goal: String,
@@ -70,6 +73,17 @@ pub struct HomeGainDocument {
     pub times: Option<usize>,
     /// I-criterion: root mean square position error of the platform over the workspace (m).
     pub platform_m: Option<f64>,
+}
+
+/// A distance to measure with a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlannedDistanceDocument {
+    /// The two poses; 0 is home.
+    pub poses: [i64; 2],
+    /// Distance of the platform's origin between them (m).
+    pub distance_m: f64,
+    /// I-criterion with this distance and those before it (m).
+    pub platform_m: f64,
 }
 
 fn geometry() -> String {
@@ -172,6 +186,14 @@ impl PlanDocument {
                     platform_m: plan.platform_m_with_home(times),
                 })
                 .to_vec(),
+            distances: (plan.distances.iter())
+                .map(|distance| PlannedDistanceDocument {
+                    poses: (distance.between)
+                        .map(|place| place.map_or(0, |place| plan.poses[place].label)),
+                    distance_m: distance.distance_m,
+                    platform_m: distance.platform_m,
+                })
+                .collect(),
             goal: plan.goal.name().to_owned(),
             reached: plan.reached,
             isolability: None,

@@ -7,7 +7,9 @@ use std::collections::HashSet;
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
-use tautline_core::planning::{DesignCriteria, Plan, PlanOptions, PlanProgress, evaluate, plan};
+use tautline_core::planning::{
+    DesignCriteria, Plan, PlanOptions, PlanProgress, TAPE_SD_M, evaluate, plan,
+};
 use tautline_session::{PlannedPose, Session};
 
 use crate::identification::IdentificationRequest;
@@ -16,7 +18,7 @@ use crate::wording::{count, units};
 
 pub use document::{
     DetectionDocument, ExpectedDocument, ExpectedParameter, HomeGainDocument, PlanDocument,
-    PlannedPoseDocument,
+    PlannedDistanceDocument, PlannedPoseDocument,
 };
 
 /// Seed of the candidate poses.
@@ -37,6 +39,8 @@ pub struct PlanSummary {
     pub travel_m: f64,
     /// Gain by more measurements of the home pose.
     pub home: HomeGain,
+    /// Gain by distances that a tape measures, in one sentence; `None` if they are not worth it.
+    pub tape: Option<String>,
     /// Faults that all poses together reveal; `None` if that could not be computed.
     pub isolability: Option<IsolabilityTable>,
 }
@@ -95,6 +99,34 @@ impl HomeGain {
 
 /// Fraction of the position error below which the gain is insignificant.
 const WORTH_SAYING: f64 = 0.05;
+
+/// What distances of a plan gain that a tape measures, in one sentence; `None` if they are not worth it. `label` is that of the pose at a
+/// place of the plan.
+#[must_use]
+pub fn tape_gain(plan: &Plan, label: impl Fn(usize) -> i64) -> Option<String> {
+    let last = plan.distances.last()?;
+    let now_m = plan.expected.criteria.platform_m?;
+    if now_m - last.platform_m < WORTH_SAYING * now_m {
+        return None;
+    }
+    let name = |place: Option<usize>| {
+        place.map_or("home".to_owned(), |place| format!("pose {}", label(place)))
+    };
+    let each = plan.distances.iter().map(|distance| {
+        let [a, b] = distance.between.map(name);
+        let metres = units::significant(distance.distance_m, 3);
+        format!("from {a} to {b} ({metres} m)")
+    });
+    let each: Vec<String> = each.collect();
+    Some(format!(
+        "With a steel tape, the position error after an adjustment would be {} mm instead of {}: measure to {} mm how far the \
+         platform moves {}.",
+        units::mm(last.platform_m, 2),
+        units::mm(now_m, 2),
+        units::mm(TAPE_SD_M, 0),
+        each.join(", ")
+    ))
+}
 
 /// Options of a plan for a request, in addition to the raw measurements `existing`.
 fn options<'a>(
@@ -155,6 +187,8 @@ fn chosen(
 
 impl PlanSummary {
     fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
+        let labels = poses.iter().map(|pose| pose.label);
+        let labels: Vec<i64> = labels.filter(|label| *label != 0).collect();
         Self {
             poses,
             expected: planned.expected.criteria,
@@ -164,6 +198,7 @@ impl PlanSummary {
                 .collect(),
             travel_m: planned.order.travel_m,
             home: HomeGain::of(planned),
+            tape: tape_gain(planned, |place| labels[place]),
             isolability: IsolabilityDocument::of_dataset(&planned.dataset)
                 .ok()
                 .map(|document| IsolabilityTable::of(&document)),

@@ -187,7 +187,7 @@ impl WithSimd for Dispatch<'_> {
 fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
     let (problem, solution) = (dispatch.problem, dispatch.solution);
     let mut at = Evaluated::<T>::at(token, problem, solution, dispatch.division);
-    let distances = at.distances(problem, solution);
+    let distances = at.distances(problem, (&solution.globals, &solution.parameters));
     let own = covariance_at(&mut at, problem, solution, distances.as_ref());
     let covariance = own.as_ref();
     let by_column = covariance.map(|c| at.map.column_covariance(&at.home, c));

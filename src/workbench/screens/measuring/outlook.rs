@@ -52,7 +52,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     };
     ui.verdict(kind, &words);
     let unchecked = session.robot.unchecked_tensions().map(str::to_owned);
-    for sentence in unchecked.into_iter().chain(outlook.home.sentence()) {
+    let gains = outlook.home.sentence().into_iter();
+    let gains = gains.chain(outlook.tape.clone());
+    for sentence in unchecked.into_iter().chain(gains) {
         ui.muted(&sentence);
     }
     if let Some(table) = &outlook.isolability {
