@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7593),
-    ("core", 37818),
+    ("cli", 7594),
+    ("core", 37950),
     ("import", 18904),
     ("link", 10448),
     ("python", 989),
     ("session", 8198),
     ("study", 3179),
-    ("workbench", 37411),
-    ("workflow", 21039),
+    ("workbench", 37413),
+    ("workflow", 21086),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
