@@ -192,7 +192,11 @@ fn distances_of_a_tape_gain_what_is_promised() {
     let mut preset = presets::find("mini").unwrap();
     preset.robot.laser = None;
     let plan = planned(&preset, 12);
-    let mut dataset = measured(&preset, poses_of(&plan), false, 1);
+    let mut dataset = plan.dataset.clone();
+    let place_of = |place: Option<usize>| match place {
+        Some(place) => plan.poses[place].pose.position,
+        None => preset.robot.home.unwrap().pose().position,
+    };
     let platform_m = |dataset: &Dataset| {
         let solution = identified(dataset);
         let weights = position_weights(&preset.robot, &preset.workspace, &solution.parameters);
@@ -205,7 +209,7 @@ fn distances_of_a_tape_gain_what_is_promised() {
     assert!((platform_m(&dataset) / expected - 1.0).abs() < 1e-3);
     for (distance, promised) in plan.distances.iter().zip(promised) {
         let rows = distance.between.map(|place| place.map_or(0, |k| k + 1));
-        let places = rows.map(|row| dataset.measurements.truth.poses[row].position);
+        let places = distance.between.map(place_of);
         assert!(((places[1] - places[0]).norm() - distance.distance_m).abs() < 1e-9);
         dataset.measurements.distances.push(DistanceReading {
             rows,
