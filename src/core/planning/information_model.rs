@@ -172,8 +172,8 @@ impl<'a> InformationModel<'a> {
     ) -> Result<Option<(Vec<DistanceReading>, ExpectedDistances)>, PlanError> {
         let (mut dataset, poses) = self.expected(planned, false)?;
         let home = self.robot.home.map(|home| home.pose());
-        let all = home.into_iter().chain(poses.iter().copied());
-        dataset.measurements.distances = tape::candidates(&all.enumerate().collect::<Vec<_>>());
+        let of_rows: Vec<Pose> = home.into_iter().chain(poses.iter().copied()).collect();
+        dataset.measurements.distances = tape::candidates(&of_rows);
         let problem = self.problem(&dataset)?;
         let expected = ExpectedDistances::new(&problem, &poses);
         Ok(expected.map(|expected| (dataset.measurements.distances.clone(), expected)))

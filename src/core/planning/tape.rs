@@ -29,23 +29,24 @@ pub struct PlannedDistance {
     pub platform_m: f64,
 }
 
-/// The longest distances between poses, as a tape would measure them. Each row has the number of its pose.
-pub(super) fn candidates(poses: &[(usize, Pose)]) -> Vec<DistanceReading> {
-    let mut all: Vec<DistanceReading> = Vec::new();
-    for (k, (row, pose)) in poses.iter().enumerate() {
-        all.extend(poses[..k].iter().map(|(other, from)| {
+/// The longest distances between the poses of successive rows, as a tape would measure them.
+pub(super) fn candidates(poses: &[Pose]) -> Vec<DistanceReading> {
+    let mut longest: Vec<DistanceReading> = Vec::new();
+    for (row, pose) in poses.iter().enumerate() {
+        longest.extend(poses[..row].iter().enumerate().map(|(other, from)| {
             let between: Vector3<f64> = pose.position - from.position;
             DistanceReading {
-                rows: [*other, *row],
+                rows: [other, row],
                 point_m: [0.0; 3],
                 distance_m: between.norm(),
                 sd_m: TAPE_SD_M,
             }
         }));
+        // Thousands of poses have millions of pairs.
+        longest.sort_by(|a, b| b.distance_m.total_cmp(&a.distance_m));
+        longest.truncate(CANDIDATES);
     }
-    all.sort_by(|a, b| b.distance_m.total_cmp(&a.distance_m));
-    all.truncate(CANDIDATES);
-    all
+    longest
 }
 
 /// Chooses distances for parameters with a covariance, and returns the index of each with the position error (m) that it leaves. The
