@@ -31,9 +31,9 @@ pub fn section(fit: &Identification, monte_carlo: Option<&MonteCarlo>) -> Option
     section.paragraph("Share of each source in the variance of the identified values, by the law of propagation of uncertainty (GUM, JCGM 100). The shares of a variance sum to 100 %.");
     section.blocks.push(Block::Plots(vec![bars_of(&summary)]));
     section.table(table(&budget, &summary));
-    section.table(expanded(&budget));
+    section.table(coverage_factors(&budget));
     section.note(format!(
-        "Expanded uncertainty U = k u with a coverage probability of {:.1} %; k is from the t distribution of the effective degrees of freedom (Welch and Satterthwaite, JCGM 100, G.4). Type A: evaluated from the scatter of the readings, with their redundancy as degrees of freedom: {}. All other sources are of type B: stated.",
+        "Expanded uncertainty of a coordinate: U = k u with a coverage probability of {:.1} %; k is from the t distribution of the effective degrees of freedom (Welch and Satterthwaite, JCGM 100, G.4). Type A: evaluated from the scatter of the readings, with their redundancy as degrees of freedom: {}. All other sources are of type B: stated.",
         100.0 * COVERAGE_PROBABILITY,
         evaluated(&budget)
     ));
@@ -107,28 +107,17 @@ fn evaluated(budget: &BudgetDocument) -> String {
     }
 }
 
-/// Expanded uncertainty of each pulley and of the position.
-fn expanded(budget: &BudgetDocument) -> Table {
-    let rows = variances(budget).map(|(name, of)| {
-        let factor = budget.coverage_factor(of);
-        let digits = decimals_of_uncertainty(1e3 * factor * of.sd_m());
-        (name, of, factor, digits)
-    });
-    Table::of("Expanded uncertainty", 1, rows).columns(&[
-        ("Value", &|(name, ..)| (*name).to_owned()),
-        ("standard uncertainty mm", &|(_, of, _, digits)| {
-            fixed(1e3 * of.sd_m(), *digits)
-        }),
-        ("effective degrees of freedom", &|(_, of, ..)| match budget
-            .effective_degrees_of_freedom(of)
+/// Coverage factor of the coordinates of each pulley.
+fn coverage_factors(budget: &BudgetDocument) -> Table {
+    Table::of("Coverage factors", 1, &budget.pulleys).columns(&[
+        ("Entry point", &|one| one.cable.clone()),
+        ("effective degrees of freedom", &|one| match budget
+            .effective_degrees_of_freedom(&one.budget)
         {
             freedom if freedom < MANY => number(freedom.floor(), 0),
             _ => format!("above {MANY:.0}"),
         }),
-        ("k", &|(_, _, factor, _)| fixed(*factor, 2)),
-        ("expanded uncertainty mm", &|(_, of, factor, digits)| {
-            fixed(1e3 * factor * of.sd_m(), *digits)
-        }),
+        ("k", &|one| fixed(budget.coverage_factor(&one.budget), 2)),
     ])
 }
 

@@ -3,7 +3,9 @@
 use tautline_core::estimation::ParameterId;
 
 use super::{NONE, displacements, number, signed};
-use crate::identification::{Identification, PulleyInspection, nominal_and_value, unit_of_value};
+use crate::identification::{
+    FitVerdict, Identification, PulleyInspection, nominal_and_value, unit_of_value,
+};
 use crate::report::document::{Section, Table};
 use crate::report::input::ReportInput;
 use crate::wording::units::{decimals_of_uncertainty, display_unit};
@@ -25,31 +27,42 @@ pub fn section(input: &ReportInput<'_>) -> Option<Section> {
         section.lead(
             "The data do not determine all of these values: there are no standard deviations.",
         );
+    } else if explains(fit) {
+        section.paragraph("Each true value lies within the expanded uncertainty of the identified one with 95 % probability.");
     } else {
-        section.paragraph("If the model explains the data, each true value lies within the expanded uncertainty of the identified one with 95 % probability.");
+        section.lead("The model does not explain the data: true values may lie far outside the expanded uncertainty.");
     }
     let rule = input.session.settings.certificate.decision_rule;
     let judged = input.choice.tolerance_m.map(|limit_m| (rule, limit_m));
     displacements::drawn(fit, judged, &mut section);
     section.table(entry_points(fit));
-    let usual = usual_deviations(fit);
-    section.table(others(fit, |index| !usual.contains(&index)));
-    if !usual.is_empty() {
-        section.paragraph(format!(
-            "{} of parts lie within {USUAL:.0} tolerances; they are in the appendix.",
-            sentence(&count(usual.len(), "deviation"))
-        ));
+    let appended = appended_deviations(fit);
+    let caption = "Other identified parameters; home rotations are relative to the nominal pose";
+    section.table(others(fit, caption, |index| !appended.contains(&index)));
+    if !appended.is_empty() {
+        let deviations = sentence(&count(appended.len(), "deviation"));
+        section.paragraph(match explains(fit) {
+            true => format!(
+                "{deviations} of parts lie within {USUAL:.0} tolerances; they are in the appendix."
+            ),
+            false => format!("{deviations} of parts are in the appendix."),
+        });
     }
     correlations(fit, &mut section);
     Some(section)
 }
 
-/// The deviations of parts that are nothing unusual; `None` if there are none.
+/// The deviations of parts that are no result; `None` if there are none.
 pub fn deviations(fit: &Identification) -> Option<Section> {
-    let usual = usual_deviations(fit);
+    let appended = appended_deviations(fit);
     let mut section = Section::new("Appendix: deviations of the parts");
-    section.table(others(fit, |index| usual.contains(&index)));
-    (!usual.is_empty()).then_some(section)
+    let caption = "Deviations of the parts from their description";
+    section.table(others(fit, caption, |index| appended.contains(&index)));
+    (!appended.is_empty()).then_some(section)
+}
+
+fn explains(fit: &Identification) -> bool {
+    fit.solution.converged() && FitVerdict::of(fit.solution.p_value()).holds()
 }
 
 /// Number of decimals for standard deviations (in the unit of the table), from their median.
@@ -108,25 +121,28 @@ fn entry_points(fit: &Identification) -> Table {
     ])
 }
 
-/// Indices of the deviations of parts that lie within their tolerances.
-fn usual_deviations(fit: &Identification) -> Vec<usize> {
-    let is_usual = |index: &usize| {
+/// Indices of the deviations of parts that lie within their tolerances, and of all deviations where the model does not explain
+/// the data: parts that are not at fault take over what it lacks.
+fn appended_deviations(fit: &Identification) -> Vec<usize> {
+    let explains = explains(fit);
+    let is_appended = |index: &usize| {
         let parameter = &fit.solution.parameters[*index];
         let is_deviation = matches!(parameter.id, ParameterId::Deviation { .. });
         let found = nominal_and_value(fit, parameter);
         let off = found.map(|(nominal, found)| (found - nominal.unwrap_or(0.0)).abs());
         let known = off.zip(parameter.prior_sd);
-        is_deviation && known.is_some_and(|(off, tolerance)| off <= USUAL * tolerance)
+        let is_usual = known.is_some_and(|(off, tolerance)| off <= USUAL * tolerance);
+        is_deviation && (is_usual || !explains)
     };
     (0..fit.solution.parameters.len())
-        .filter(is_usual)
+        .filter(is_appended)
         .collect()
 }
 
 /// The wanted of the other parameters, by their indices.
-fn others(fit: &Identification, is_wanted: impl Fn(usize) -> bool) -> Table {
+fn others(fit: &Identification, caption: &str, is_wanted: impl Fn(usize) -> bool) -> Table {
     let mut table = Table::new(
-        "Other identified parameters; home rotations are relative to the nominal pose",
+        caption,
         2,
         &[
             "Parameter",
@@ -150,8 +166,9 @@ fn others(fit: &Identification, is_wanted: impl Fn(usize) -> bool) -> Table {
         let shown = |value: Option<f64>, text: fn(f64, usize) -> String| {
             value.map_or_else(|| NONE.to_owned(), |value| text(factor * value, digits))
         };
+        let name = &parameter.name;
         table.push([
-            sentence(&parameter.name),
+            sentence(name.strip_prefix("deviation: ").unwrap_or(name)),
             unit.to_owned(),
             shown(nominal, number),
             number(factor * found, digits),

@@ -3,11 +3,11 @@
 use tautline_core::robot::Robot;
 use tautline_session::{Session, Timestamp};
 
-use super::{certificate, number};
+use super::certificate;
 use crate::report::document::{Section, Table};
 use crate::report::input::ReportInput;
 use crate::wording::count;
-use crate::wording::units::{mm, quantity, significant};
+use crate::wording::units::{quantity, significant};
 
 pub fn section(session: &Session, now: Timestamp) -> Section {
     let mut section = Section::new("Instruments and conditions");
@@ -73,7 +73,7 @@ fn instruments(robot: &Robot) -> Vec<Instrument> {
         all.push(("External instrument", "pose of the platform", 1, sd));
     }
     if let Some(home) = &robot.home {
-        let sd = format!("{} mm", mm(home.position_sd_m, 3));
+        let sd = quantity(home.position_sd_m, "m");
         all.push(("Home reference", "pose from which lengths count", 1, sd));
     }
     all
@@ -101,8 +101,8 @@ pub fn signatures(input: &ReportInput<'_>) -> Section {
     certificate::scope(input, &mut section);
     if let Some(tolerance_m) = input.choice.tolerance_m {
         section.note(format!(
-            "The tolerance of {} mm for {} was given by the operator.",
-            number(1e3 * tolerance_m, 2),
+            "The tolerance of {} for {} was given by the operator.",
+            quantity(tolerance_m, "m"),
             count(input.session.robot.cable_count(), "pulley")
         ));
     }

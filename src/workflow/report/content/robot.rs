@@ -5,8 +5,7 @@ use tautline_core::robot::Robot;
 use super::{NONE, number};
 use crate::report::document::{Section, Table};
 use crate::wording::list;
-use crate::wording::units::mm;
-use crate::wording::units::quantity;
+use crate::wording::units::{mm, quantity, significant};
 
 pub fn section(robot: &Robot) -> Section {
     let mut section = Section::new("Robot");
@@ -42,9 +41,9 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
         add(
             "Home pose",
             format!(
-                "known to {} and {}",
-                quantity(home.position_sd_m, "m"),
-                quantity(home.orientation_sd_rad, "rad")
+                "known to {} mm and {} degrees",
+                significant(1e3 * home.position_sd_m, 2),
+                significant(home.orientation_sd_rad.to_degrees(), 2)
             ),
         );
     }

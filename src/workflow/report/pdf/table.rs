@@ -12,6 +12,8 @@ const PADDING: f64 = 5.0;
 const ROW_SPACE: f64 = 1.5;
 /// Smallest width of a column of wrapped text (pt).
 const NARROWEST: f64 = 56.0;
+/// Steps by which such columns become narrower (pt).
+const STEP: f64 = 4.0;
 /// Height below which a table is kept on one page (pt).
 const KEPT_WHOLE: f64 = 180.0;
 /// Number of rows that stay with the heading.
@@ -112,17 +114,32 @@ impl Layout<'_> {
         if widths.iter().sum::<f64>() > WIDTH {
             widths = all(true);
         }
+        let cell_width = |text: &String| self.faces.width(text, CELL.size, CELL.bold);
+        let cells: Vec<Vec<f64>> = table
+            .rows
+            .iter()
+            .map(|row| row.iter().map(cell_width).collect())
+            .collect();
+        let line_count = |widths: &[f64]| -> usize {
+            let lines = |(cell, width): (&f64, &f64)| (cell / (width - 2.0 * PADDING)).ceil();
+            let rows = cells.iter().map(|row| row.iter().zip(widths).map(lines));
+            rows.map(|row| row.fold(1.0, f64::max) as usize).sum()
+        };
         let mut excess = widths.iter().sum::<f64>() - WIDTH;
-        // Headings of number columns wrap first, then the widest text column is narrowed.
+        // Headings of number columns wrap first, then the text column is narrowed that leaves the table shortest.
         while excess > 0.0 {
             let texts = (0..widths.len()).filter(|k| table.columns[*k].1 == Align::Left);
-            let widest = texts.max_by(|a, b| widths[*a].total_cmp(&widths[*b]));
-            let Some(widest) = widest.filter(|k| widths[*k] > NARROWEST) else {
+            let narrowed = texts.filter(|k| widths[*k] > NARROWEST).map(|k| {
+                let mut narrowed = widths.clone();
+                narrowed[k] -= excess.min(STEP).min(widths[k] - NARROWEST);
+                (line_count(&narrowed), -widths[k], narrowed)
+            });
+            let shortest = narrowed.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            let Some((_, _, shortest)) = shortest else {
                 break;
             };
-            let step = excess.min(4.0).min(widths[widest] - NARROWEST);
-            widths[widest] -= step;
-            excess -= step;
+            widths = shortest;
+            excess = widths.iter().sum::<f64>() - WIDTH;
         }
         let total: f64 = widths.iter().sum();
         let scale = (WIDTH / total).min(1.0);
