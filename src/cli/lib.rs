@@ -51,7 +51,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use tautline_session::{ReadError, Session};
+use tautline_files::ReadError;
+use tautline_session::Session;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::session_file::SessionFileError;
 

@@ -124,7 +124,7 @@ fn permit_with(given: &Given, file: &Path, formats: &[&str]) -> Result<()> {
     if file.is_dir() {
         return Ok(());
     }
-    if given.inputs.iter().any(|input| is_same(input, file)) || tautline_session::was_read(file) {
+    if given.inputs.iter().any(|input| is_same(input, file)) || tautline_files::was_read(file) {
         return Err(refused(
             file,
             "is an input of this command, expected another name",
@@ -339,7 +339,7 @@ mod tests {
             ..Given::default()
         };
         permit_with(&given, &twin, &[]).expect("permitted");
-        tautline_session::open_input(&file, "robot.json").expect("opened");
+        tautline_files::open_input(&file, "robot.json").expect("opened");
         let kept = told(permit_with(&given, &twin, &[]));
         assert!(kept.contains("is an input of this command"), "{kept}");
     }

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 use tautline_session::{
-    CheckRow, Loaded, PlannedPose, ReadError, Session, SymbolMapping, VersionedFile, parse_session,
+    CheckRow, Loaded, PlannedPose, Session, SymbolMapping, VersionedFile, parse_session,
     parse_symbols, parse_versioned, parse_versioned_toml, read_check, read_plan, read_symbols,
     read_table_file, read_versioned, read_versioned_toml,
 };

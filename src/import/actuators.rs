@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use tautline_channels::{Channel, Series, Source, TextChannel};
+
 use crate::naming::words::TIME;
 use crate::naming::words_of;
-use crate::source::{Channel, Series, Source, TextChannel};
 
 /// Words of a column with the number of an actuator.
 const NUMBER: &[&str] = &[
@@ -213,8 +214,9 @@ impl Rows {
 
 #[cfg(test)]
 mod tests {
+    use tautline_channels::{Format, TextChannel};
+
     use super::*;
-    use crate::source::{FillingTexts, Format};
 
     fn channel(name: &str, values: Vec<f64>) -> Channel {
         Channel {
@@ -225,8 +227,18 @@ mod tests {
     }
 
     fn source(channels: Vec<Channel>, texts: &[&str]) -> Source {
-        let mut kinds = FillingTexts::default();
-        texts.iter().for_each(|text| kinds.push(text));
+        let mut kinds = TextChannel {
+            name: "type".into(),
+            ..TextChannel::default()
+        };
+        for text in texts {
+            let known = kinds.distinct.iter().position(|one| one == text);
+            let code = known.unwrap_or(kinds.distinct.len());
+            if known.is_none() {
+                kinds.distinct.push((*text).to_owned());
+            }
+            kinds.codes.push(code as u32);
+        }
         Source {
             file: "log.csv".into(),
             format: Format::Table,
@@ -234,7 +246,10 @@ mod tests {
                 name: "log".into(),
                 rows: channels[0].values.len(),
                 channels,
-                texts: kinds.finish("type").into_iter().collect(),
+                texts: (!texts.iter().all(|text| text.is_empty()))
+                    .then_some(kinds)
+                    .into_iter()
+                    .collect(),
                 ..Series::default()
             }],
             notices: Vec::new(),

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use tautline_channels::{Series, Source};
 use tautline_core::robot::Robot;
 
 use crate::naming::{Family, families, is_label};
 use crate::recipe::{Mapping, QuantityKind as Kind};
-use crate::source::{Series, Source};
 
 /// Most names in one notice.
 const MOST: usize = 12;
@@ -139,11 +139,11 @@ pub(crate) fn without_channel(mapping: &Mapping<'_>, robot: &Robot) -> Option<St
 
 #[cfg(test)]
 mod tests {
+    use tautline_channels::{Channel, Format, Source};
     use tautline_core::robot::presets;
 
     use super::*;
     use crate::recipe::{Assignment, Recipe, resolve};
-    use crate::source::{Channel, Format, Source};
 
     fn channel(name: &str, unit: Option<&str>) -> Channel {
         Channel {

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_channels::{Series, Source};
 use tautline_session::VersionedFile;
 
 use crate::check::Suggestion;
 use crate::recipe::Recipe;
-use crate::source::{Series, Source};
 
 /// Result of an import, or of listing the sources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

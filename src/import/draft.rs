@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use tautline_channels::Source;
 use tautline_core::robot::Robot;
 
 use crate::cutting::Times;
 use crate::orientation::arrange_per_cable;
 use crate::proposal::propose;
 use crate::recipe::{Recipe, is_series, resolve};
-use crate::source::Source;
 use crate::sources::make_names_unique;
 
 /// Maximum number of changes that can be undone.
@@ -235,9 +235,10 @@ pub fn clock_times(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Vec<Op
 
 #[cfg(test)]
 mod tests {
+    use tautline_channels::{Channel, Format, Series};
+
     use super::*;
     use crate::recipe::Assignment;
-    use crate::source::{Channel, Format, Series};
     use tautline_core::robot::presets;
 
     fn source(name: &str, channels: &[&str]) -> Source {

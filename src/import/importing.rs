@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
+use tautline_channels::{MemoryBudget, Source};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
-use tautline_session::{Location, ReadError, escape_formula, read_poses};
+use tautline_files::{Location, ReadError};
+use tautline_session::{escape_formula, read_poses};
 
 use crate::check::{Change, Readings, Suggestion, check};
 use crate::commands::complete_commands;
@@ -12,9 +14,7 @@ use crate::coverage::{unused, without_channel};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
-use crate::memory::MemoryBudget;
 use crate::recipe::{Cutting, Mapping, Quantity, QuantityKind as Kind, Recipe, is_series, resolve};
-use crate::source::Source;
 use crate::turning::turn_angles;
 
 /// Maximum number of suggestions applied.

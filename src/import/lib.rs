@@ -1,7 +1,6 @@
 //! Import of foreign files: logs, motion capture, point lists and spreadsheets as datasets, and robot descriptions.
 //!
-//! A **source** is a file, recognised by its content. It has **series** of **channels**: name, unit, values. A **recipe**
-//! assigns channels to quantities of the robot, with unit, factor, offset and sign. **Cutting** turns rows into poses: every
+//! A **source** is a file with **series** of **channels** (`tautline_channels`). A **recipe** assigns channels to quantities of the robot, with unit, factor, offset and sign. **Cutting** turns rows into poses: every
 //! row, rows of one label, or standstills. Notices report what was not understood; nothing is dropped silently.
 
 mod actuators;
@@ -13,11 +12,8 @@ mod cutting;
 mod document;
 mod draft;
 mod external;
-mod formats;
 mod importing;
-mod input;
 mod median;
-mod memory;
 mod naming;
 mod orientation;
 mod outline;
@@ -25,13 +21,8 @@ mod proposal;
 mod recipe;
 mod robot_files;
 mod robots;
-mod source;
 mod sources;
-mod table;
-mod text;
 mod turning;
-mod units;
-mod values;
 
 pub use alignment::{AlignedClock, ClockFit, align_clocks};
 pub use check::{Change, Line, Mistake, Suggestion, TableCheck, check_table};
@@ -40,9 +31,7 @@ pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
 pub use draft::{Draft, clock_times, uses};
-pub use formats::{HAS_MORE_FORMATS, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
-pub use memory::{MemoryBudget, OverBudget};
 pub use naming::pattern_of;
 pub use orientation::arrange_per_cable;
 pub use outline::outline;
@@ -55,10 +44,7 @@ pub use robot_files::{is_robot_description, read_robot_description};
 pub use robots::{
     Dialect, ForeignRobot, Meaning, Parameter, PartPlaces, Setting, read_description_text,
 };
-pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
-pub use sources::read_sources;
-pub use units::{Dimension, Unit, parse_unit, split_heading};
-pub use values::Values;
+pub use sources::{read_source, read_sources};
 
 #[cfg(test)]
 mod tests;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use tautline_channels::{Channel, Format, Series, Source, Values, owner_of};
+
 use crate::actuators::spread_actuators;
-use crate::source::{Channel, Format, Series, Source};
-use crate::values::Values;
 
 /// Gives each cable its own channels if a file has them in rows: matrices, and logs with one row per actuator. Notices of
 /// the files name the transposed ones.
@@ -171,11 +171,6 @@ fn owner(channels: &[Channel]) -> &str {
         .rsplit_once(['(', '['])
         .filter(|(_, last)| last.contains([',', ':']));
     owner_of(last.map_or(path, |(path, _)| path))
-}
-
-/// The variable of a struct or cell array that a path leads into; empty for an array of its own.
-pub(crate) fn owner_of(path: &str) -> &str {
-    path.find(['.', '{', '(']).map_or("", |end| &path[..end])
 }
 
 #[cfg(test)]

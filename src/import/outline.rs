@@ -1,6 +1,6 @@
 //! The course of a channel, reduced to the resolution of a plot.
 
-use crate::values::Values;
+use tautline_channels::Values;
 
 /// Rows and values of a channel for plotting: the minimum and the maximum in each of `columns` parts of the rows, so that no
 /// peak is lost. Missing values yield one row with NaN.
@@ -42,8 +42,9 @@ pub fn outline(values: &Values, columns: usize) -> Vec<(usize, f64)> {
 
 #[cfg(test)]
 mod tests {
+    use tautline_channels::Values;
+
     use super::outline;
-    use crate::values::Values;
 
     #[test]
     fn short_channels_are_shown_as_they_are() {

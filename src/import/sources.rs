@@ -4,12 +4,51 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use tautline_session::{Loaded, Location, ReadError};
+use tautline_channels::{MemoryBudget, Source, Watch, read_watched, text_head};
+use tautline_files::{Location, ReadError};
+use tautline_session::Loaded;
 
-use crate::formats::read_watched;
-use crate::input::Watch;
-use crate::memory::MemoryBudget;
-use crate::source::Source;
+use crate::robots::is_description;
+
+/// Reads a file with readings in any supported format.
+///
+/// # Errors
+/// If its format is unknown, it describes a robot, or its content is invalid; names the place.
+pub fn read_source(path: &Path) -> Result<Source, ReadError> {
+    let budget = MemoryBudget::default();
+    read_file(path, &Watch::new(0, &|_| true, &budget))
+}
+
+/// Whether a file is a robot description rather than readings.
+pub(crate) fn holds_description(path: &Path) -> Result<bool, ReadError> {
+    let text = text_head(path)?;
+    Ok(text.is_some_and(|text| is_description(text.trim_start())))
+}
+
+fn read_file(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
+    let text = text_head(path)?.unwrap_or_default();
+    match other_content(text.trim_start()) {
+        Some(found) => {
+            let file = path.display().to_string();
+            Err(ReadError::new(&file, Location::File, found))
+        }
+        None => read_watched(path, watch),
+    }
+}
+
+/// What a text file holds instead of readings, and what to do.
+fn other_content(text: &str) -> Option<&'static str> {
+    match text.chars().next()? {
+        _ if is_description(text) => Some(
+            "is the description of a robot, expected readings; import it by itself, with -o robot.json",
+        ),
+        '<' => Some(
+            "is an XML file of unknown format, expected readings or a robot of CASPR, WireX, MuJoCo, Gazebo or URDF",
+        ),
+        '{' => Some("is a JSON file, expected readings; robots and sessions need no import"),
+        _ => None,
+    }
+}
 
 /// Reads files, and all supported files in folders; others in a folder are reported in a notice.
 /// Their content takes its memory of `budget`; `goes_on` receives the fraction read and returns whether to continue.
@@ -28,7 +67,7 @@ pub fn read_sources(
         if path.is_dir() {
             read_folder(path, &watch, &mut sources, &mut notices)?;
         } else {
-            sources.push(read_watched(path, &watch)?);
+            sources.push(read_file(path, &watch)?);
         }
     }
     make_names_unique(&mut sources);
@@ -57,7 +96,7 @@ fn read_folder(
             notices.push(format!("{}: nested folder, not read", path.display()));
             continue;
         }
-        match read_watched(&path, watch) {
+        match read_file(&path, watch) {
             Ok(source) => sources.push(source),
             Err(error) if watch.is_stopped() => return Err(error),
             Err(error) => notices.push(format!("{error}: not read")),
@@ -98,6 +137,29 @@ pub(crate) fn make_names_unique(sources: &mut [Source]) {
         while !seen.insert(series.name.clone()) {
             number += 1;
             series.name = format!("{name} #{number}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_files_of_text_say_what_they_are() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("file");
+        for (text, found) in [
+            (
+                "<?xml version=\"1.0\"?>\n<cables default_cable_set=\"a\">",
+                "is the description of a robot",
+            ),
+            ("<html></html>", "or a robot of CASPR"),
+            ("{\"a\": 1}", "robots and sessions need no import"),
+        ] {
+            fs::write(&path, text).expect("written");
+            let error = read_source(&path).expect_err("no readings").to_string();
+            assert!(error.contains(found), "{error}");
         }
     }
 }

@@ -3,14 +3,15 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use tautline_channels::{Channel, Format, MemoryBudget, Series, Source};
 use tautline_core::estimation::{Control, Options, Problem, solve};
 use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{Recording, SimulationOptions, record, simulate};
 
 use crate::{
-    Assignment, Change, Channel, Cutting, Format, Imported, MemoryBudget, Recipe, Series, Source,
-    import, import_corrected, propose, propose_around, read_sources,
+    Assignment, Change, Cutting, Imported, Recipe, import, import_corrected, propose,
+    propose_around, read_sources,
 };
 
 fn dataset() -> Dataset {

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use tautline_channels::{MemoryBudget, Source};
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AngleOrder, Assignment, ImportDocument, MemoryBudget, PartPlaces, Recipe, Source, align_clocks,
-    arrange_per_cable, found, import, import_corrected, propose_around, read_robot_description,
-    read_sources,
+    AngleOrder, Assignment, ImportDocument, PartPlaces, Recipe, align_clocks, arrange_per_cable,
+    found, import, import_corrected, propose_around, read_robot_description, read_sources,
 };
 use tautline_session::parse_versioned;
 

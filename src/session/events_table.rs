@@ -2,7 +2,9 @@
 
 use std::io::BufRead;
 
-use crate::error::{Loaded, ReadError};
+use tautline_files::ReadError;
+
+use crate::error::Loaded;
 use crate::phases::read_rows;
 use crate::session::Timestamp;
 use crate::table::Table;

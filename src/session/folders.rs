@@ -5,8 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use etcetera::BaseStrategy;
-
-use crate::error::{Location, ReadError};
+use tautline_files::{Location, ReadError};
 
 /// Environment variable with one folder for everything, in place of those of the operating system.
 const OVERRIDE: &str = "TAUTLINE_HOME";

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::effect::{Hypothesis, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES};
 use tautline_core::robot::Robot;
+use tautline_files::{Location, ReadError};
 
-use crate::error::{Location, ReadError};
 use crate::json::read_limited;
 
 /// Folder of hypotheses beside the tables of a dataset, and the ending of their files.

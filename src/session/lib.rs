@@ -5,7 +5,6 @@
 //! atomically.
 
 mod atomic;
-mod damaged;
 mod dataset;
 mod error;
 mod events_table;
@@ -13,7 +12,6 @@ mod fingerprint;
 mod folders;
 mod hypothesis_file;
 mod import;
-mod input_file;
 mod json;
 mod opcua_key;
 mod pem;
@@ -32,18 +30,16 @@ mod trusted_servers;
 mod user_certificate;
 
 pub use atomic::{ReservedFile, link_target, reserve, write_bytes, write_text};
-pub use damaged::read_damaged;
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
     write_dataset,
 };
-pub use error::{Loaded, Location, ReadError, WriteError, quoted};
+pub use error::{Loaded, WriteError};
 pub use events_table::{EVENTS, RobotEvent, read_events};
 pub use fingerprint::Fingerprint;
 pub use folders::Folders;
 pub use hypothesis_file::{HypothesisFolder, add_hypothesis, parse_hypothesis, read_hypothesis};
 pub use import::{Import, import, is_own};
-pub use input_file::{open_input, was_read};
 pub use json::{
     Migration, Schema, VersionedFile, parse_versioned, parse_versioned_toml, read_versioned,
     read_versioned_toml, schema_for, versioned, versioned_schema, write_versioned,

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use tautline_files::{Location, ReadError};
+
 use crate::atomic::create_private;
-use crate::error::{Location, ReadError, WriteError};
+use crate::error::WriteError;
 use crate::json::read_limited;
 use crate::pem::{CERTIFICATE, PRIVATE_KEY, decoded, encoded, section};
 

@@ -5,8 +5,9 @@ use std::io::{BufRead, Result as IoResult, Write};
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 
-use crate::error::{Loaded, ReadError};
+use crate::error::Loaded;
 use crate::phases::{PoseColumns, once, read_rows};
 use crate::poses::{LABEL, check_plausible, place_fault};
 use crate::session::PlannedPose;

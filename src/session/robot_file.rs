@@ -4,8 +4,9 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use tautline_core::robot::{FieldError, Robot};
+use tautline_files::{Location, ReadError};
 
-use crate::error::{Loaded, Location, ReadError, WriteError};
+use crate::error::{Loaded, WriteError};
 use crate::json::{VersionedFile, parse_versioned, read_limited, read_versioned, write_versioned};
 use crate::sensors::resolve_in_robot;
 use crate::session::Timestamp;

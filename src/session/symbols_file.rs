@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 
-use crate::error::{Loaded, ReadError, WriteError};
+use crate::error::{Loaded, WriteError, of_field};
 use crate::json::{parse_versioned, read_versioned, write_versioned};
 use crate::session::SymbolMapping;
 
@@ -34,7 +35,7 @@ fn fitting(
     robot: &Robot,
 ) -> Result<Loaded<SymbolMapping>, ReadError> {
     let checked = read.value.check(robot);
-    checked.map_err(|error| ReadError::field(file, error))?;
+    checked.map_err(|error| of_field(file, error))?;
     Ok(read)
 }
 

@@ -8,8 +8,9 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use tautline_files::ReadError;
 
-use crate::error::{ReadError, WriteError};
+use crate::error::WriteError;
 use crate::json::{VersionedFile, read_versioned, write_versioned};
 
 /// SHA-256 of a certificate in its binary form, shown as pairs of hexadecimal digits.

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::error::{Location, ReadError};
+use tautline_files::{Location, ReadError};
+
 use crate::json::{check_size, read_limited};
 use crate::opcua_key::OpcUaKey;
 use crate::pem::{CERTIFICATE, PRIVATE_KEY, decoded, encoded, section};

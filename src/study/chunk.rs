@@ -10,7 +10,8 @@ use parquet::data_type::{DataType, FloatType, Int32Type};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use serde::{Deserialize, Serialize};
-use tautline_session::{Fingerprint, read_damaged, write_bytes};
+use tautline_files::read_damaged;
+use tautline_session::{Fingerprint, write_bytes};
 use tautline_workflow::exporting::{ParquetCells, parquet_file};
 
 use crate::calibration::{Calibration, Outcome};

@@ -34,7 +34,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub enum StudyError {
     /// A file cannot be read or is invalid.
     #[error(transparent)]
-    Read(#[from] tautline_session::ReadError),
+    Read(#[from] tautline_files::ReadError),
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] tautline_session::WriteError),

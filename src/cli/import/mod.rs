@@ -6,15 +6,16 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use tautline_channels::{HAS_MORE_FORMATS, MemoryBudget, Source};
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 use tautline_import::{
-    AngleOrder, Assignment, HAS_MORE_FORMATS, ImportDocument, ImportError, Imported, MemoryBudget,
-    Recipe, Source, align_clocks, arrange_per_cable, channel_names, import, import_corrected,
-    is_robot_description, propose_around, read_robot_description, read_sources,
+    AngleOrder, Assignment, ImportDocument, ImportError, Imported, Recipe, align_clocks,
+    arrange_per_cable, channel_names, import, import_corrected, is_robot_description,
+    propose_around, read_robot_description, read_sources,
 };
 use tautline_session::{
-    Loaded, ReadError, VersionedFile, read_robot, versioned, write_robot, write_text,
-    write_versioned,
+    Loaded, VersionedFile, read_robot, versioned, write_robot, write_text, write_versioned,
 };
 
 use crate::examples::examples;

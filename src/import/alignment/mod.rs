@@ -13,13 +13,12 @@ mod fit;
 #[cfg(test)]
 mod tests;
 
+use tautline_channels::{Source, Values};
 use tautline_core::robot::Robot;
-use tautline_session::{Location, ReadError, quoted};
+use tautline_files::{Location, ReadError, quoted};
 
 use crate::cutting::{Times, main_series};
 use crate::recipe::{Clock, Mapping, Recipe, resolve};
-use crate::source::Source;
-use crate::values::Values;
 
 /// Minimum number of samples of a recording that can be aligned.
 const FEWEST: usize = 100;

@@ -114,7 +114,7 @@ fn recordings_of_different_motions_are_not_aligned() {
 #[test]
 fn the_recipe_takes_the_clock_of_the_second_series() {
     use crate::recipe::Assignment;
-    use crate::source::{Channel, Format, Series};
+    use tautline_channels::{Channel, Format, Series};
     let truth = Truth {
         offset_s: 103.25,
         drift: -4e-5,

@@ -1,6 +1,6 @@
 //! Times of the rows of a series.
 
-use tautline_session::{Location, ReadError, quoted};
+use tautline_files::{Location, ReadError, quoted};
 
 use crate::median::median;
 use crate::recipe::{Mapping, Recipe, is_series};

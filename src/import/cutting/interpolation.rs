@@ -1,6 +1,6 @@
 //! Values of a series between its samples, at the times of another one.
 
-use crate::values::Values;
+use tautline_channels::Values;
 
 /// Steps longer than this multiple of the usual step are gaps, across which nothing is interpolated.
 const GAP: f64 = 3.0;

@@ -7,15 +7,14 @@ mod rest;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use tautline_channels::{MemoryBudget, Series, Source};
 use tautline_core::measurement::{SampledChannel, follows_a_motion};
 use tautline_core::robot::Robot;
-use tautline_session::{Location, ReadError, quoted};
+use tautline_files::{Location, ReadError, quoted};
 
-use crate::memory::MemoryBudget;
 use crate::recipe::{
     Cutting, Mapped, Mapping, Quantity, QuantityKind as Kind, Recipe, Rest, resolve,
 };
-use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
 

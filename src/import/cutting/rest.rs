@@ -7,12 +7,12 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use tautline_channels::Values;
 use tautline_core::robot::Robot;
 
 use super::clock::usual_step;
 use crate::median::median;
 use crate::recipe::{Mapping, Quantity, QuantityKind as Kind, Rest};
-use crate::values::Values;
 
 /// Allowance for noise on top of the speed limit (standard deviations).
 const NOISE: f64 = 4.0;

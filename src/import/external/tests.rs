@@ -1,12 +1,12 @@
 use nalgebra::UnitQuaternion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use tautline_channels::{Channel, Format, MemoryBudget, Series, Source};
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::robot::{PerAxis, Robot, Tracker, presets};
 
 use super::*;
-use crate::source::{Channel, Format, Series, Source};
-use crate::{Change, Cutting, Imported, MemoryBudget, Recipe, import, import_corrected, propose};
+use crate::{Change, Cutting, Imported, Recipe, import, import_corrected, propose};
 
 /// Markers on the platform (m, its frame).
 const ON_PLATFORM: [[f64; 3]; 4] = [

@@ -1,6 +1,6 @@
 //! Evidence of the values of a channel for its quantity.
 
-use crate::source::Channel;
+use tautline_channels::Channel;
 
 /// Maximum number of rows that are examined.
 const MOST_ROWS: usize = 2000;

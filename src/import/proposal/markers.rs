@@ -1,7 +1,8 @@
 //! Markers on the platform: those at constant distances from each other while they move.
 
+use tautline_channels::Channel;
+
 use crate::external::FEWEST_MARKERS;
-use crate::source::Channel;
 
 /// Maximum number of rows that are examined.
 const MOST_ROWS: usize = 300;

@@ -7,6 +7,7 @@ mod recognition;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use tautline_channels::{Channel, Dimension, Format, Series, Source, parse_unit};
 use tautline_core::robot::Robot;
 
 use crate::cutting::{is_recording, sampled_at_rest, sampled_in_motion};
@@ -18,8 +19,6 @@ use crate::naming::{Family, families, words_of};
 use crate::recipe::{
     AngleOrder, Assignment, Cutting, Quantity, QuantityKind as Kind, Recipe, Rest, resolve,
 };
-use crate::source::{Channel, Format, Series, Source};
-use crate::units::{Dimension, parse_unit};
 use evidence::{are_quaternion, is_clock, magnitude};
 use markers::{Marker, on_platform};
 use motion::CommandedPoses;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::DVector;
+use tautline_channels::Channel;
 use tautline_core::geometry::Pose;
 use tautline_core::kinematics::{applied_wrench, inverse_kinematics, structure_matrix};
 use tautline_core::robot::Robot;
@@ -10,7 +11,6 @@ use tautline_core::robot::Robot;
 use super::recognition::since_home;
 use crate::check::fit;
 use crate::recipe::{Mapping, Quantity, QuantityKind as Kind};
-use crate::source::Channel;
 
 /// Maximum number of rows that are examined.
 const MOST_ROWS: usize = 300;

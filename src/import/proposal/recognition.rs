@@ -1,5 +1,7 @@
 //! Recognition of channels by their names, units and values.
 
+use tautline_channels::{Channel, Dimension, Unit, parse_unit};
+
 use super::evidence::{are_counts, are_settings, are_tensions};
 use crate::naming::words::{
     ACTUAL, ANGLES, EXTERNAL, LASER, LETTERS, MACHINES, NEUTRAL, OTHER, PER_CABLE, POSE, STATES,
@@ -7,8 +9,6 @@ use crate::naming::words::{
 };
 use crate::naming::words_of;
 use crate::recipe::{AngleOrder, QuantityKind as Kind};
-use crate::source::Channel;
-use crate::units::{Dimension, Unit, parse_unit};
 
 pub(super) fn is_any(words: &[String], known: &[&str]) -> bool {
     words.iter().any(|word| known.contains(&word.as_str()))

@@ -12,7 +12,8 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
-use tautline_session::{Loaded, ReadError, VersionedFile, read_versioned};
+use tautline_files::ReadError;
+use tautline_session::{Loaded, VersionedFile, read_versioned};
 
 pub use angles::{AngleOrder, Angles};
 pub use instrument::{Instrument, Placement};

@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 
 use QuantityKind as Kind;
-
-use crate::units::{Dimension, Unit, parse_unit};
+use tautline_channels::{Dimension, Unit, parse_unit};
 
 /// A column of `poses.csv`, or a coordinate of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use tautline_session::{Location, ReadError, quoted};
+use tautline_channels::{Series, Source};
+use tautline_files::{Location, ReadError, quoted};
 
 use super::{Assignment, Quantity, Recipe};
-use crate::source::{Series, Source};
 
 /// The channel of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]

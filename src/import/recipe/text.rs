@@ -1,10 +1,10 @@
 //! Assignments as a line of text: `rev_{i}=theta(:,{i}) [rad]`.
 
-use tautline_session::quoted;
+use tautline_channels::{Series, Source};
+use tautline_files::quoted;
 
 use super::{Assignment, Quantity};
 use crate::coverage::channel_names;
-use crate::source::{Series, Source};
 
 impl Assignment {
     /// As [`Self::parse`], for channels with names in place of numbers, too: `length_{i}_m=belt_{tl,tr,br,bl} [mm]`.
@@ -105,8 +105,9 @@ impl Assignment {
 
 #[cfg(test)]
 mod tests {
+    use tautline_channels::{Channel, Format};
+
     use super::*;
-    use crate::source::{Channel, Format};
 
     fn sources() -> [Source; 1] {
         let names = ["theta(:,1)", "theta(:,2)", "F0", "F1", "x[3]", "LDS"];

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use tautline_core::robot::Robot;
-use tautline_session::{Loaded, ReadError};
+use tautline_files::ReadError;
+use tautline_session::Loaded;
 
-use crate::formats::{holds_description, read_source};
 use crate::robots::{PartPlaces, places_of, read_described};
+use crate::sources::{holds_description, read_source};
 
 /// Largest table of positions of pulleys (bytes).
 const MAX_BYTES: u64 = 4 << 20;

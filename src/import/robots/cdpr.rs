@@ -5,7 +5,7 @@
 //! Source: oKermorgant/cdpr, `gen_cdpr.py` and `cdpr.cpp`.
 
 use tautline_core::robot::{Platform, Robot};
-use tautline_session::ReadError;
+use tautline_files::ReadError;
 
 use super::description::{Guide, cable_of, filled, list, pose_of, simulated};
 use super::dialect::{Dialect, ForeignRobot, M, Setting};

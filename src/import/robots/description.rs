@@ -5,7 +5,8 @@ use tautline_core::geometry::{Coordinate, Pose, Vec3};
 use tautline_core::robot::{
     Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
-use tautline_session::{Loaded, Location, ReadError, VersionedFile};
+use tautline_files::{Location, ReadError};
+use tautline_session::{Loaded, VersionedFile};
 
 use super::dialect::ForeignRobot;
 use super::settings::Settings;

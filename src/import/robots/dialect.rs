@@ -7,7 +7,8 @@
 use std::ops::Range;
 
 use tautline_core::robot::Robot;
-use tautline_session::{Loaded, ReadError};
+use tautline_files::ReadError;
+use tautline_session::Loaded;
 
 /// Meaning of a number for the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

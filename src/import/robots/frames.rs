@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::{Cable, Platform};
-use tautline_session::{ReadError, quoted};
+use tautline_files::{ReadError, quoted};
 
 use super::description::{Guide, INERTIA, cable_of, filled, in_frame, pose_of, simulated};
 use super::dialect::{Dialect, ForeignRobot, Setting};

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::Robot;
-use tautline_session::{ReadError, quoted};
+use tautline_files::{ReadError, quoted};
 
 use super::description::{Description, Guide, cable_of, robot_of};
 use super::dialect::{Dialect, ForeignRobot, MM, Meaning, Setting};

@@ -7,7 +7,7 @@
 
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::Robot;
-use tautline_session::ReadError;
+use tautline_files::ReadError;
 
 use super::description::{Description, Guide, cable_of, robot_of};
 use super::dialect::{Dialect, ForeignRobot, MM, Setting};

@@ -18,7 +18,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use tautline_core::robot::Robot;
-use tautline_session::{Loaded, Location, ReadError, open_input};
+use tautline_files::{Location, ReadError, open_input};
+use tautline_session::Loaded;
 
 pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Setting};
 pub use places::PartPlaces;

@@ -8,7 +8,7 @@
 
 use tautline_core::geometry::{Coordinate, Pose, Vec3};
 use tautline_core::robot::{Cable, Platform, Robot};
-use tautline_session::{ReadError, quoted};
+use tautline_files::{ReadError, quoted};
 
 use super::description::{Guide, cable_of, escaped, in_frame, inertia_of, list, simulated};
 use super::dialect::{Dialect, ForeignRobot, Setting};

@@ -4,17 +4,16 @@
 //! the letters of equations, `geom.A` for the pulleys and `geom.B` for the platform anchors. Missing values are assumed and
 //! reported.
 
+use tautline_channels::{Channel, Dimension, Series, Source, TextChannel, Values, parse_unit};
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{Cable, Home, Platform, Robot};
-use tautline_session::{Loaded, ReadError};
+use tautline_files::ReadError;
+use tautline_session::Loaded;
 
 use super::description::{
     Description, Guide, cable_of, home_at, know_normal_to_plane, pose_of, robot_of,
 };
 use crate::naming::{families, words_of};
-use crate::source::{Channel, Series, Source, TextChannel};
-use crate::units::{Dimension, parse_unit};
-use crate::values::Values;
 
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::Robot;
-use tautline_session::ReadError;
+use tautline_files::ReadError;
 
 use super::description::{Description, Guide, cable_of, robot_of};
 use super::dialect::{Dialect, ForeignRobot, MM, Meaning, Setting};

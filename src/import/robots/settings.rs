@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use tautline_session::{Location, ReadError, quoted};
+use tautline_files::{Location, ReadError, quoted};
 
 use super::dialect::{Meaning, Parameter, Setting};
 

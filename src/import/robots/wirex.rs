@@ -9,7 +9,8 @@
 use Coordinate::{Rz, X, Y, Z};
 use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Platform, Robot};
-use tautline_session::{Loaded, ReadError, quoted};
+use tautline_files::{ReadError, quoted};
+use tautline_session::Loaded;
 
 use super::description::{Description, Guide, cable_of, filled, robot_of};
 use super::dialect::{Dialect, ForeignRobot, Setting};

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
-use tautline_session::{Location, ReadError, quoted};
+use tautline_files::{Location, ReadError, quoted};
 
 /// Deepest nesting of elements.
 const MAX_DEPTH: usize = 64;

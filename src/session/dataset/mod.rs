@@ -6,11 +6,11 @@ use std::path::Path;
 
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
+use tautline_files::{Location, ReadError, open_input};
 
 use crate::atomic::write_atomically;
-use crate::error::{Loaded, Location, ReadError, WriteError};
+use crate::error::{Loaded, WriteError};
 use crate::hypothesis_file::add_hypotheses_beside;
-use crate::input_file::open_input;
 use crate::phases::{self, PhaseData};
 use crate::poses::{PoseLines, read_poses_and_lines, write_poses};
 use crate::robot_file::{read_measured_at, read_robot, write_robot};

@@ -7,10 +7,10 @@ use std::path::Path;
 use serde_json::Value;
 use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::Robot;
+use tautline_files::{Location, ReadError, open_input, quoted};
 
 use crate::dataset::{DatasetFolder, POSES, ROBOT, read_calibration_tables, read_dataset};
-use crate::error::{Loaded, Location, ReadError, quoted};
-use crate::input_file::open_input;
+use crate::error::Loaded;
 use crate::json::{VersionedFile, check_size, kind, parse_object, read_limited, versioned_from};
 use crate::phases::{
     self, CheckRow, ElongationPoint, ForcePair, HomeReading, PoseDistance, WinchPair, read_check,

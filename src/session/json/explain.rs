@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 use serde_path_to_error::{Path, Segment, Track};
+use tautline_files::{Location, ReadError, quoted};
 
 use super::{VersionedFile, versioned_schema};
-use crate::error::{Loaded, Location, ReadError, quoted, shown_pointer};
+use crate::error::Loaded;
 
 /// Largest number of unknown keys that are listed; more are only counted.
 const MAX_NOTICES: usize = 20;
@@ -85,7 +86,12 @@ fn keys_of(schema: &Value, keys: &mut BTreeSet<String>) {
 fn notices(unknown: &[String], file: &str) -> Vec<String> {
     let shown = unknown.iter().take(MAX_NOTICES);
     let mut notices: Vec<String> = shown
-        .map(|pointer| format!("{file}, {}: unknown key, ignored", shown_pointer(pointer)))
+        .map(|pointer| {
+            format!(
+                "{file}{}: unknown key, ignored",
+                Location::Pointer(pointer.clone())
+            )
+        })
         .collect();
     if unknown.len() > MAX_NOTICES {
         let more = unknown.len() - MAX_NOTICES;

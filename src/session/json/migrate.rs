@@ -1,9 +1,9 @@
 //! Migration of files from older versions, step by step.
 
 use serde_json::{Map, Value};
+use tautline_files::{Location, ReadError, quoted};
 
 use super::{VersionedFile, explain};
-use crate::error::{Location, ReadError, quoted};
 
 /// Migration from one version of a format to the next.
 #[derive(Clone, Copy)]

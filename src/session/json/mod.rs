@@ -14,10 +14,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use tautline_core::robot::FieldError;
+use tautline_files::{Location, ReadError, open_input};
 
 use crate::atomic::write_atomically;
-use crate::error::{Loaded, Location, ReadError, WriteError};
-use crate::input_file::open_input;
+use crate::error::{Loaded, WriteError, of_field};
 pub(crate) use explain::kind;
 pub use migrate::Migration;
 pub use schema::{Schema, schema_for, versioned_schema};
@@ -101,12 +101,12 @@ pub(crate) fn versioned_from<T: VersionedFile>(
     file: &str,
 ) -> Result<Loaded<T>, ReadError> {
     migrate::bring_up_to_date::<T>(&mut document, T::MIGRATIONS, file)?;
-    T::resolve(&mut document).map_err(|error| ReadError::field(file, error))?;
+    T::resolve(&mut document).map_err(|error| of_field(file, error))?;
     let loaded = explain::deserialize::<T>(document, file)?;
     loaded
         .value
         .check()
-        .map_err(|error| ReadError::field(file, error))?;
+        .map_err(|error| of_field(file, error))?;
     Ok(loaded)
 }
 

@@ -4,8 +4,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
-
-use crate::error::{Location, ReadError, quoted};
+use tautline_files::{Location, ReadError, quoted};
 
 /// Parses a document, which must be an object.
 pub(crate) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, ReadError> {

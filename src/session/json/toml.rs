@@ -4,9 +4,10 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 use tautline_core::effect::line_and_column;
+use tautline_files::{Location, ReadError};
 
 use super::{VersionedFile, check_size, read_limited, versioned_from};
-use crate::error::{Loaded, Location, ReadError};
+use crate::error::Loaded;
 
 /// Reads a versioned file in TOML.
 ///

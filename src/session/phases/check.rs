@@ -5,9 +5,10 @@ use std::io::{BufRead, Result as IoResult, Write};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_files::ReadError;
 
 use super::{once, read_rows};
-use crate::error::{Loaded, ReadError};
+use crate::error::Loaded;
 use crate::table::{Table, TableRow, TableWriter};
 
 /// Kind of target that a row of the check belongs to.

@@ -5,9 +5,10 @@ use std::io::{BufRead, Result as IoResult, Write};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::measurement::{DistanceReading, Measurements};
+use tautline_files::ReadError;
 
 use super::read_rows;
-use crate::error::{Loaded, ReadError};
+use crate::error::Loaded;
 use crate::table::{Table, TableWriter};
 
 /// Distance between the places of one point of the platform at two poses.

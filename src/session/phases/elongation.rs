@@ -4,9 +4,10 @@ use std::io::{BufRead, Result as IoResult, Write};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_files::ReadError;
 
 use super::read_rows;
-use crate::error::{Loaded, ReadError};
+use crate::error::Loaded;
 use crate::table::{Table, TableWriter};
 
 /// One measured elongation.

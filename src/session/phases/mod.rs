@@ -14,8 +14,9 @@ use std::io::BufRead;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 
-use crate::error::{Loaded, ReadError};
+use crate::error::Loaded;
 use crate::table::{Table, TableRow};
 pub(crate) use check::PoseColumns;
 pub use check::{CheckKind, CheckPose, CheckRow, read_check, write_check};

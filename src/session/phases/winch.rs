@@ -5,9 +5,10 @@ use std::io::{BufRead, Result as IoResult, Write};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 
 use super::{cable, read_rows};
-use crate::error::{Loaded, ReadError};
+use crate::error::Loaded;
 use crate::table::{Table, TableWriter};
 
 /// One calibration pair of a winch.

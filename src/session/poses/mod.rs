@@ -9,8 +9,9 @@ use std::io::{BufRead, Write};
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
+use tautline_files::{Location, ReadError};
 
-use crate::error::{Loaded, Location, ReadError};
+use crate::error::Loaded;
 use crate::table::{Table, TableRow, TableWriter};
 pub(crate) use column::{Group, PoseColumn};
 pub(crate) use columns::{Columns, Fault};

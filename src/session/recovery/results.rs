@@ -6,9 +6,10 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use tautline_files::{Location, ReadError};
 
 use super::journal::{append, checked, checked_line};
-use crate::error::{Location, ReadError, WriteError};
+use crate::error::WriteError;
 use crate::session::{ResultRecord, Session};
 
 /// A result with its number.

@@ -6,13 +6,15 @@ use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
+use tautline_files::{Location, ReadError};
+
 use super::changes::ChangesFile;
 use super::journal::{Journal, JournalEntry};
 use super::own_files::{Name, check_lock, is_folder, named, remove_session};
 use super::writer::Lock;
 use super::{CHANGES, DISCARDED, JOURNAL, LOCK, ORIGIN, Origin, RESULTS, SNAPSHOT, results};
 use crate::atomic::sync_folder;
-use crate::error::{Loaded, Location, ReadError, WriteError};
+use crate::error::{Loaded, WriteError};
 use crate::fingerprint::Fingerprint;
 use crate::json::read_versioned;
 use crate::session::{MeasurementTable, Session, Timestamp, read_session};

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 use tautline_core::robot::FieldError;
+use tautline_files::{Location, ReadError, quoted};
 
 use super::Sensor;
-use crate::error::{Location, ReadError, fail, quoted};
+use crate::error::fail;
 use crate::folders::Folders;
 use crate::json::{parse_versioned_toml, read_versioned_toml};
 

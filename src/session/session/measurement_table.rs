@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
+use tautline_files::quoted;
 
-use crate::error::{fail, quoted};
+use crate::error::fail;
 use crate::poses::{Columns, Fault, GROUP, LABEL, PoseColumn};
 
 /// Measurements by column; all columns have the length of the labels.

@@ -27,9 +27,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::{FieldError, Robot};
+use tautline_files::ReadError;
 
 use crate::dataset::DatasetFolder;
-use crate::error::{Loaded, ReadError, WriteError, below, fail};
+use crate::error::{Loaded, WriteError, below, fail, of_field};
 use crate::json::{parse_versioned, read_versioned, write_versioned};
 use crate::phases::{PhaseData, distance_readings};
 use crate::poses::Columns;
@@ -471,7 +472,7 @@ pub(crate) fn checked(
     file: &str,
 ) -> Result<Loaded<Session>, ReadError> {
     let session = loaded.value.with_checked_measurements();
-    let mut session = session.map_err(|error| ReadError::field(file, error))?;
+    let mut session = session.map_err(|error| of_field(file, error))?;
     session.note_differing();
     Ok(Loaded {
         value: session,

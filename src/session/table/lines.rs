@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read};
 
-use crate::error::{Location, ReadError};
+use tautline_files::{Location, ReadError};
 
 /// Longest record (bytes), line breaks in quoted cells included.
 const MAX_RECORD: usize = 1 << 20;

@@ -9,11 +9,11 @@ mod write;
 use std::collections::HashMap;
 use std::io::BufRead;
 
-use crate::error::{Location, ReadError, quoted};
 pub use formula::escape_formula;
 use formula::unescape_formula;
 use lines::Lines;
 pub(crate) use quaternion::quaternion_fault;
+use tautline_files::{Location, ReadError, quoted};
 pub(crate) use write::TableWriter;
 pub use write::csv_row;
 

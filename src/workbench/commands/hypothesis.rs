@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use tautline_core::effect::Hypothesis;
-use tautline_session::{HypothesisFolder, Location, Session, read_hypothesis, write_text};
+use tautline_files::Location;
+use tautline_session::{HypothesisFolder, Session, read_hypothesis, write_text};
 use tautline_workflow::clock;
 use tautline_workflow::signature::{Gallery, Signature, try_hypothesis, write_gallery};
 

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use tautline_channels::{HAS_MORE_FORMATS, MemoryBudget, Source};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AlignedClock, HAS_MORE_FORMATS, Imported, MemoryBudget, Recipe, Source, Suggestion,
-    align_clocks, clock_times, read_recipe, read_sources,
+    AlignedClock, Imported, Recipe, Suggestion, align_clocks, clock_times, read_recipe,
+    read_sources,
 };
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 

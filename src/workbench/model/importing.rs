@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use tautline_channels::Source;
 use tautline_core::robot::Robot;
-use tautline_import::{
-    Change, Draft, ImportError, Imported, PoseReport, Recipe, Source, Suggestion, uses,
-};
+use tautline_import::{Change, Draft, ImportError, Imported, PoseReport, Recipe, Suggestion, uses};
 use tautline_workflow::importing::Outlines;
 use tautline_workflow::readiness::CheckItem;
 
@@ -130,7 +129,7 @@ impl OpenImport {
     }
 
     /// Series of all sources.
-    pub fn all_series(&self) -> impl Iterator<Item = &tautline_import::Series> {
+    pub fn all_series(&self) -> impl Iterator<Item = &tautline_channels::Series> {
         self.draft
             .sources()
             .iter()

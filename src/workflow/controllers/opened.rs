@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 use tautline_link::laser::{ExternalLaser, ManualLaser};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
 use tautline_link::{
     Controller, GuardedController, Instrument, LinkError, ReplayController, SystemClock, ads, opcua,
 };
-use tautline_session::{ReadError, read_dataset};
+use tautline_session::read_dataset;
 
 use super::clock::SimulationClock;
 use super::setup::{ConnectionSetup, Source, seed_after};

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::geometry::Pose;
+use tautline_files::ReadError;
 use tautline_link::{Controller, ControllerState, LinkError, ParameterInfo, Sample};
-use tautline_session::{NamedValue, ReadError, VersionedFile, read_versioned, write_versioned};
+use tautline_session::{NamedValue, VersionedFile, read_versioned, write_versioned};
 
 /// Values of a simulated controller while they are being written; before and afterwards they are in the session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

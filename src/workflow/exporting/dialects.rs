@@ -4,8 +4,8 @@ use tautline_core::kinematics::{LengthBreakdownError, effective_geometry};
 use tautline_core::projection::ExpectedLengths;
 use tautline_core::robot::{CableMaterial, Robot};
 use tautline_core::simulation::{SimulationError, Workspace};
+use tautline_files::ReadError;
 use tautline_import::{Dialect, ForeignRobot, Meaning, Parameter};
-use tautline_session::ReadError;
 
 use crate::identification::{FitVerdict, Identification, effects_title, without_each_effect};
 

@@ -16,9 +16,9 @@ use tautline_core::geometry::Vec3;
 use tautline_core::history::{self, CERTAIN, DatedRun, Forecast, History, forecast, smooth};
 use tautline_core::planning::Volume;
 use tautline_core::robot::Robot;
+use tautline_files::open_input;
 use tautline_session::{
-    EVENTS, Import, Loaded, RobotEvent, Session, Stage, Timestamp, import, is_own, open_input,
-    read_events,
+    EVENTS, Import, Loaded, RobotEvent, Session, Stage, Timestamp, import, is_own, read_events,
 };
 
 use crate::accuracy;
@@ -155,7 +155,7 @@ pub enum RecordError {
     },
     /// A file cannot be read.
     #[error(transparent)]
-    Read(#[from] tautline_session::ReadError),
+    Read(#[from] tautline_files::ReadError),
     /// Reading was stopped.
     #[error("reading the record was stopped")]
     Stopped,

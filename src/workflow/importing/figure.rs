@@ -1,6 +1,7 @@
 //! Plots of channels over time, with the poses extracted from them.
 
-use tautline_import::{PoseReport, Series, Source, outline};
+use tautline_channels::{Series, Source};
+use tautline_import::{PoseReport, outline};
 
 use crate::plot::figure::{Axis, Curve, Figure, Ink, Span};
 

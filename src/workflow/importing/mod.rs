@@ -6,14 +6,16 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
+use tautline_channels::{MemoryBudget, Source};
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 use tautline_import::{
-    Imported, MemoryBudget, Recipe, Source, import as import_sources, is_robot_description,
-    read_recipe, read_robot_description, read_sources,
+    Imported, Recipe, import as import_sources, is_robot_description, read_recipe,
+    read_robot_description, read_sources,
 };
 use tautline_session::{
-    Import, Loaded, LogEntry, Phase, ReadError, ResultRecord, Session, Timestamp, VersionedFile,
-    import, is_own,
+    Import, Loaded, LogEntry, Phase, ResultRecord, Session, Timestamp, VersionedFile, import,
+    is_own,
 };
 
 use crate::results::record;

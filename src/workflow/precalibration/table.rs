@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use tautline_core::robot::Robot;
+use tautline_files::ReadError;
 use tautline_session::{
-    ElongationPoint, ForcePair, HomeReading, Loaded, PhaseData, ReadError, WinchPair,
-    read_elongation, read_force, read_home, read_table_file, read_winch,
+    ElongationPoint, ForcePair, HomeReading, Loaded, PhaseData, WinchPair, read_elongation,
+    read_force, read_home, read_table_file, read_winch,
 };
 
 /// A table of phase 1 or 2.

@@ -15,9 +15,10 @@ use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
+use tautline_files::ReadError;
 use tautline_session::{
-    LogEntry, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
-    find_unsaved_sessions, link_target, read_session, remove_discarded, write_session,
+    LogEntry, Phase, RecoveryWriter, Session, UnsavedSession, WriteError, find_unsaved_sessions,
+    link_target, read_session, remove_discarded, write_session,
 };
 
 use crate::adjusting::open as open_adjustment;

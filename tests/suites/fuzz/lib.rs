@@ -1,8 +1,9 @@
 //! Functions shared by the fuzz targets.
 
+use tautline_channels::MemoryBudget;
+use tautline_files::ReadError;
 use tautline_core::robot::Robot;
-use tautline_import::{MemoryBudget, import, propose, read_robot_description, read_source};
-use tautline_session::ReadError;
+use tautline_import::{import, propose, read_robot_description, read_source};
 
 /// The robot whose tables are read.
 pub fn robot() -> Robot {

@@ -18,7 +18,7 @@ const NAMED_FROM: [&str; 8] = [
     "docs",
     "src",
     "src/core",
-    "src/import",
+    "src/channels",
     "src/session",
     "src/workbench",
     "src/core/estimation",

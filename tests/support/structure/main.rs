@@ -33,20 +33,35 @@ struct Rules<'a> {
 
 /// The crates in the order of their dependencies. `main.rs` of the workbench is not looked at: it
 /// chooses between window and commands.
-const CRATES: [Rules; 9] = [
+const CRATES: [Rules; 11] = [
     Rules {
         folder: "src/core",
         crates: &[],
         order: &[],
     },
     Rules {
+        folder: "src/files",
+        crates: &[],
+        order: &[],
+    },
+    Rules {
+        folder: "src/channels",
+        crates: &["tautline_files"],
+        order: &[],
+    },
+    Rules {
         folder: "src/session",
-        crates: &["tautline_core"],
+        crates: &["tautline_core", "tautline_files"],
         order: &[],
     },
     Rules {
         folder: "src/import",
-        crates: &["tautline_core", "tautline_session"],
+        crates: &[
+            "tautline_core",
+            "tautline_files",
+            "tautline_session",
+            "tautline_channels",
+        ],
         order: &[],
     },
     Rules {
@@ -58,7 +73,9 @@ const CRATES: [Rules; 9] = [
         folder: "src/workflow",
         crates: &[
             "tautline_core",
+            "tautline_files",
             "tautline_session",
+            "tautline_channels",
             "tautline_import",
             "tautline_link",
         ],
@@ -66,14 +83,21 @@ const CRATES: [Rules; 9] = [
     },
     Rules {
         folder: "src/study",
-        crates: &["tautline_core", "tautline_session", "tautline_workflow"],
+        crates: &[
+            "tautline_core",
+            "tautline_files",
+            "tautline_session",
+            "tautline_workflow",
+        ],
         order: &[],
     },
     Rules {
         folder: "src/python",
         crates: &[
             "tautline_core",
+            "tautline_files",
             "tautline_session",
+            "tautline_channels",
             "tautline_import",
             "tautline_workflow",
             "tautline_study",
@@ -84,7 +108,9 @@ const CRATES: [Rules; 9] = [
         folder: "src/cli",
         crates: &[
             "tautline_core",
+            "tautline_files",
             "tautline_session",
+            "tautline_channels",
             "tautline_import",
             "tautline_link",
             "tautline_workflow",
@@ -96,7 +122,9 @@ const CRATES: [Rules; 9] = [
         folder: "src/workbench",
         crates: &[
             "tautline_core",
+            "tautline_files",
             "tautline_session",
+            "tautline_channels",
             "tautline_import",
             "tautline_link",
             "tautline_workflow",

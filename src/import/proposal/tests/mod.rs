@@ -1,17 +1,18 @@
 //! Proposals for names of channels that other programs use: most are recognised, and none is assigned wrongly.
 
+mod damaged;
 mod random_logs;
+mod recordings;
 
 use std::f64::consts::TAU;
 
+use tautline_channels::{Channel, Format, Series, Source, split_heading};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{PerAxis, Robot, Tracker, presets};
 use tautline_core::simulation::{SimulationOptions, simulate};
 
 use super::propose;
 use crate::recipe::Assignment;
-use crate::source::{Channel, Format, Series, Source};
-use crate::units::split_heading;
 
 const NAMES: &str = include_str!("names.csv");
 

@@ -4,14 +4,14 @@
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use tautline_channels::{Channel, MemoryBudget, Source};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, simulate};
 
 use super::{ChannelNames, rows, source};
 use crate::proposal::propose;
-use crate::source::{Channel, Source};
-use crate::{Imported, MemoryBudget, import_corrected};
+use crate::{Imported, import_corrected};
 
 const LOGS: u64 = 300;
 /// Share of the logs for which the proposal has to be right.
@@ -98,7 +98,7 @@ fn chosen_rev<'a>(
 ) -> &'a ChannelNames<'static> {
     let is_there = |row: &&&ChannelNames<'_>| {
         let name = row.names[0].replace("{0}", "0").replace("{1}", "1");
-        let (name, _) = crate::units::split_heading(&name);
+        let (name, _) = tautline_channels::split_heading(&name);
         channels[0].name == name
     };
     rows.iter().find(is_there).copied().expect("winches first")

@@ -2,7 +2,7 @@
 
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::{Cable, Platform, Robot, TensionLimits};
-use tautline_session::{ReadError, quoted};
+use tautline_files::{ReadError, quoted};
 
 use super::super::description::{Guide, cable_of, filled_for};
 use super::super::dialect::{Meaning, Setting};

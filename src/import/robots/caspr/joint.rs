@@ -3,7 +3,7 @@
 use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::robot::{FrameTransform, Robot, WorkspaceLimits};
 use tautline_core::simulation::Workspace;
-use tautline_session::{ReadError, quoted};
+use tautline_files::{ReadError, quoted};
 
 use super::super::description::{list, pose_of};
 use super::Element;

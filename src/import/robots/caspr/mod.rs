@@ -15,7 +15,8 @@ mod joint;
 use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::{Limits, Platform, Robot};
-use tautline_session::{Loaded, ReadError, quoted};
+use tautline_files::{ReadError, quoted};
+use tautline_session::Loaded;
 
 use super::description::{
     Description, POSITION_SD_M, ROTATION_SD_RAD, filled, home_at, know_normal_to_plane, robot_of,

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use tautline_channels::Source;
 use tautline_core::robot::Robot;
-use tautline_import::{AlignedClock, Recipe, Source};
+use tautline_import::{AlignedClock, Recipe};
 use tautline_session::Loaded;
 
 use crate::model::importing::{ChannelPlace, Cut};

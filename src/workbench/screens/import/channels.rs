@@ -6,7 +6,8 @@ use egui::{
     Galley, Pos2, Rect, RichText, Role, ScrollArea, Sense, Shape, Stroke, TextStyle, TextWrapMode,
     Ui, Vec2, WidgetInfo, WidgetText,
 };
-use tautline_import::{Quantity, Series};
+use tautline_channels::Series;
+use tautline_import::Quantity;
 
 use super::Bench;
 use crate::model::command::RecordingCommand;

@@ -1,7 +1,8 @@
 //! Meaning of the shown channel: set for it alone, or by pattern for all cables.
 
 use egui::{ComboBox, Ui};
-use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
+use tautline_channels::{Series, parse_unit};
+use tautline_import::{Assignment, Quantity, pattern_of};
 
 use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;

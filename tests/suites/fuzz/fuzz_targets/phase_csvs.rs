@@ -2,12 +2,10 @@
 
 use std::sync::LazyLock;
 
+use tautline_files::ReadError;
 use libfuzzer_sys::fuzz_target;
 use tautline_core::robot::Robot;
-use tautline_session::{
-    Loaded, ReadError, read_check, read_elongation, read_force, read_home, read_winch, write_check,
-    write_elongation, write_force, write_home, write_winch,
-};
+use tautline_session::{Loaded, read_check, read_elongation, read_force, read_home, read_winch, write_check, write_elongation, write_force, write_home, write_winch};
 
 static ROBOT: LazyLock<Robot> = LazyLock::new(tautline_fuzz::robot);
 
