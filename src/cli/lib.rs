@@ -101,6 +101,9 @@ struct Arguments {
     command: Option<Command>,
 }
 
+/// Where the program comes from, as whoever publishes it states when it is built.
+const HOME_PAGE: Option<&str> = option_env!("TAUTLINE_HOMEPAGE");
+
 fn after_help() -> String {
     let mut text = examples(&[
         (
@@ -113,6 +116,10 @@ fn after_help() -> String {
     text.push_str(&heading("\n\nExit status:"));
     for (code, meaning) in EXIT_CODES.iter().enumerate() {
         text.push_str(&format!("\n  {code} {meaning}"));
+    }
+    if let Some(page) = HOME_PAGE {
+        text.push_str(&heading("\n\nHome page:"));
+        text.push_str(&format!("\n  {page}\n  Reports of errors: {page}/issues"));
     }
     text
 }
