@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from pathlib import Path
 
 import mujoco
@@ -174,13 +175,12 @@ def test_lines_from_one_series_of_a_hangprinter_hold_in_another(program: Path, t
     assert [f"{value:.1f}" for value in (rms(old), rms(new), rms(places), noise)] == ["16.0", "5.1", "14.0", "5.7"]
 
 
-def lengths_of_tendons(file: Path, poses: list[tuple[Array, Array]]) -> Array:
-    """Lengths of all tendons with the platform at each pose (position, quaternion), each pulley towards its cable."""
+def towards_cables(file: Path, poses: list[tuple[Array, Array]]) -> Iterator[tuple[mujoco.MjModel, mujoco.MjData]]:
+    """The model with the platform at each pose (position, quaternion), each pulley towards its cable."""
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
     platform = model.body("platform")
     address = model.jnt_qposadr[platform.jntadr[0]]
-    lengths = []
     for position, quaternion in poses:
         data.qpos[address : address + 7] = [*position, *quaternion]
         for number in range(1, model.ntendon + 1):
@@ -194,10 +194,39 @@ def lengths_of_tendons(file: Path, poses: list[tuple[Array, Array]]) -> Array:
             way = data.site(f"platform_{number}").xpos - entry
             wheel = data.geom(f"wheel_{number}").xpos - entry
             data.qpos[joint.qposadr[0]] = np.arctan2(np.cross(wheel, way) @ axis, wheel @ (way - (way @ axis) * axis))
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_tendon(model, data)
-        lengths.append(data.ten_length.copy())
-    return np.array(lengths)
+        mujoco.mj_forward(model, data)
+        yield model, data
+
+
+def lengths_of_tendons(file: Path, poses: list[tuple[Array, Array]]) -> Array:
+    return np.array([data.ten_length.copy() for _, data in towards_cables(file, poses)])
+
+
+def test_tensions_hold_the_platform_in_mujoco(program: Path, tmp_path: Path) -> None:
+    """What MuJoCo's tendons leave of the weight, with the tensions that we compute at each pose, is less than 1 % of it."""
+    file, model, run = tmp_path / "robot.json", tmp_path / "mini.xml", tmp_path / "run"
+    tautline(program, "new", "mini", "-o", file)
+    robot = json.loads(file.read_text())
+    robot["platform"].update({"mass_kg": 4.0, "center_of_mass_m": [0.01, -0.02, 0.03]})
+    file.write_text(json.dumps(robot))
+    tautline(program, "export", file, "--for", "mjcf", "-o", model)
+    exact = ("--truth", "nominal", "--tolerances", "none", "--no-noise")
+    tautline(program, "simulate", "--robot", file, "--poses", "100", *exact, "-o", run)
+    rows = np.genfromtxt(run / "poses.csv", delimiter=",", names=True)
+    columns = (["true_x_m", "true_y_m", "true_z_m"], ["true_qw", "true_qx", "true_qy", "true_qz"])
+    poses = [tuple(np.array([row[name] for name in names]) for names in columns) for row in rows]
+    for row, (built, data) in zip(rows, towards_cables(model, poses), strict=True):
+        tensions = np.array([row[f"true_tension_{number}_n"] for number in range(1, 9)])
+        jacobian = np.zeros((built.ntendon, built.nv))
+        mujoco.mju_sparse2dense(jacobian, data.ten_J.ravel(), built.ten_J_rownnz, built.ten_J_rowadr, built.ten_J_colind.ravel())
+        first = built.jnt_dofadr[built.body("platform").jntadr[0]]
+        dofs = slice(first, first + 6)
+        # A tendon pulls with minus its tension along its length; the bias of a body at rest is its weight.
+        left = -jacobian.T @ tensions - data.qfrc_bias
+        weight = 4.0 * 9.81
+        assert np.linalg.norm(left[dofs][:3]) < 0.01 * weight
+        assert np.linalg.norm(left[dofs][3:]) < 0.01 * weight * 0.1
+        assert np.all(np.abs(data.qfrc_bias[dofs][:3]).max() > 0.9 * weight)
 
 
 def random_poses(centre: Array, count: int) -> list[tuple[Array, Array]]:
