@@ -125,6 +125,7 @@ mod tests {
             in_model: true,
             difference: None,
             sd: Some(1e-3),
+            gain_m: None,
         }];
         let expected = "name,unit,controller,identified,difference,sd\n\"a,b\",m,,0.25,,0.001\n";
         assert_eq!(differences_csv(&lines), expected);
@@ -140,6 +141,7 @@ mod tests {
             in_model: true,
             difference: Some(0.25),
             sd: None,
+            gain_m: None,
         }];
         let table = differences_csv(&lines);
         let row = table.lines().nth(1);

@@ -28,6 +28,10 @@ pub fn print(document: &AdjustmentDocument) {
             }),
             ("difference", &|row| number(row, row.difference)),
             ("sd", &|row| number(row, row.sd)),
+            ("gain mm", &|row| {
+                let gain_m = row.gain_m;
+                gain_m.map_or_else(|| "-".to_owned(), |gain_m| format!("{:.2}", 1e3 * gain_m))
+            }),
         ]);
         let same = document.differences.len() - rows.len();
         say!("{same} other parameters are unchanged");

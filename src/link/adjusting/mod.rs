@@ -51,6 +51,9 @@ pub struct Difference {
     pub difference: Option<f64>,
     /// Standard deviation of the identified value, if the parameter was estimated and the data determine it.
     pub sd: Option<f64>,
+    /// Part of the platform's position error that returns if this value alone stays as the controller holds it (m); `None` unless
+    /// the value is written, and where it was not computed.
+    pub gain_m: Option<f64>,
 }
 
 impl Difference {
@@ -91,6 +94,7 @@ pub fn plan_adjustment(
                 in_model: true,
                 difference: held.map(|held| parameter.value - held),
                 sd: solution.and_then(|s| deviation(s, identified, &parameter.name)),
+                gain_m: None,
                 unit: parameter.unit,
                 name: parameter.name,
             }
@@ -109,6 +113,7 @@ pub fn plan_adjustment(
             in_model: false,
             difference: neutral.map(|neutral| neutral - held.value),
             sd: None,
+            gain_m: None,
         }
     }));
     lines

@@ -114,6 +114,31 @@ pub(super) fn adapt(
     })
 }
 
+/// Sets what each value that is written gains, for a controller that cannot hold these effects of the model.
+pub(super) fn set_gains(model: &Robot, effects: &[&EffectSetting], lines: &mut [Difference]) {
+    let Ok(expected) = ExpectedLengths::of(model, Workspace::of(model), POSES) else {
+        return;
+    };
+    let mut written = model.clone();
+    written.effects.retain(|one| !effects.contains(&one));
+    for line in lines.iter() {
+        if let Some(value) = line.identified.filter(|_| line.is_writable_change()) {
+            // A parameter that the model lacks has its neutral value there.
+            let _ = set_parameter(&mut written, &line.name, value);
+        }
+    }
+    let Ok(after_m) = expected.position_error_m(&written) else {
+        return;
+    };
+    for line in lines.iter_mut().filter(|line| line.is_writable_change()) {
+        let mut without = written.clone();
+        let held = line.controller.unwrap_or(f64::NAN);
+        let is_held = set_parameter(&mut without, &line.name, held).is_ok();
+        let error_m = is_held.then(|| expected.position_error_m(&without).ok());
+        line.gain_m = error_m.flatten().map(|error_m| error_m - after_m);
+    }
+}
+
 /// The error of a controller that holds the model without some effects (m), the robot that errs least among those that it could
 /// hold, and the error of that one; `None` if the model cannot be evaluated.
 fn best(
@@ -282,6 +307,34 @@ mod tests {
             );
         }
         assert!(after_m < before_m);
+    }
+
+    #[test]
+    fn the_gain_of_a_value_is_the_error_of_a_simulated_machine_without_it() {
+        let nominal = presets::find("mini").expect("a preset").robot;
+        let mut model = nominal.clone();
+        model.cables[0].pulley.entry_point_m[0] += 5e-3;
+        model.cables[4].pulley.entry_point_m[2] += 2e-4;
+        let mut lines = plan_adjustment(&parameters_of(&nominal), &model, None);
+        set_gains(&model, &[], &mut lines);
+        let gains: Vec<(&Difference, f64)> = lines
+            .iter()
+            .filter_map(|line| Some((line, line.gain_m?)))
+            .collect();
+        let names = gains.iter().map(|(line, _)| line.name.as_str());
+        let expected = ["cable-1.entry_point.x_m", "cable-5.entry_point.z_m"];
+        assert_eq!(names.collect::<Vec<_>>(), expected);
+        for (line, gain_m) in gains {
+            let mut without = model.clone();
+            let held = line.controller.expect("a value");
+            set_parameter(&mut without, &line.name, held).expect("set");
+            let simulated_m = simulated_error_m(&model, &without);
+            assert!(
+                (0.5..2.0).contains(&(simulated_m / gain_m)),
+                "{}: {simulated_m} {gain_m}",
+                line.name
+            );
+        }
     }
 
     #[test]

@@ -202,6 +202,7 @@ mod tests {
             in_model: true,
             difference: Some(1e-3),
             sd: None,
+            gain_m: None,
         };
         let changed = checklist(&session, &[other], false).map(|check| check.state);
         assert_eq!(changed, [Done, Next, Later, Later, Later]);

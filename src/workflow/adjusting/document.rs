@@ -53,6 +53,10 @@ pub struct DifferenceRow {
     pub difference: Option<f64>,
     /// Standard deviation of the identified value, if it was estimated.
     pub sd: Option<f64>,
+    /// Part of the platform's position error that returns if this value alone is not written (m), root mean square over the
+    /// workspace; null where it is unknown.
+    #[serde(default)]
+    pub gain_m: Option<f64>,
     /// Whether the value is written.
     pub changes: bool,
 }
@@ -83,6 +87,7 @@ impl AdjustmentDocument {
             in_model: line.in_model,
             difference: line.difference.filter(|difference| difference.is_finite()),
             sd: line.sd,
+            gain_m: line.gain_m,
             changes: line.is_writable_change(),
         });
         self.differences = rows.collect();

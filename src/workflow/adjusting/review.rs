@@ -8,7 +8,7 @@ use tautline_link::adjusting::{Difference, plan_adjustment};
 use tautline_session::Session;
 
 use super::Doubt;
-use super::adaptation::{Adaptation, adapt, unsupported_effects};
+use super::adaptation::{Adaptation, adapt, set_gains, unsupported_effects};
 use super::record::recorded;
 use crate::identification::Identification;
 
@@ -35,8 +35,10 @@ impl Review {
             };
         }
         let effects = unsupported_effects(model, &lines);
+        let adaptation = adapt(model, &effects, &mut lines);
+        set_gains(model, &effects, &mut lines);
         Self {
-            adaptation: adapt(model, &effects, &mut lines),
+            adaptation,
             effects: effects.into_iter().cloned().collect(),
             lines,
         }

@@ -14,13 +14,14 @@ use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
 /// Columns. The unit has its own column, because effects have various units.
-const COLUMNS: [TableColumn<'static>; 6] = [
+const COLUMNS: [TableColumn<'static>; 7] = [
     TableColumn::words("Parameter"),
     TableColumn::number("Controller", ""),
     TableColumn::number("Identified", ""),
     TableColumn::number("Difference", ""),
     TableColumn::number("±", ""),
     TableColumn::words("Unit"),
+    TableColumn::number("Gain", "mm"),
 ];
 
 /// Draws the table; unchanged parameters only on request.
@@ -46,7 +47,7 @@ pub(super) fn show(
         outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.add_space(GRID);
-    ui.muted("±: the standard deviation of the identified value.");
+    ui.muted("±: the standard deviation of the identified value. Gain: the part of the platform's position error that returns if this value alone is not written.");
     checkbox(ui, &mut panel.all, "Show unchanged parameters");
     if shown.is_empty() {
         ui.muted("There is nothing to compare.");
@@ -108,6 +109,8 @@ fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
             other => other.unwrap_or_default(),
         })
         .coloured(palette.muted),
+        line.gain_m
+            .map_or_else(Cell::default, |gain_m| Cell::new(fixed(1e3 * gain_m, 2))),
     ]
 }
 
