@@ -7,16 +7,18 @@ use std::path::Path;
 use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
-const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7594),
+const BUDGET: [(&str, usize); 11] = [
+    ("channels", 8119),
+    ("cli", 7606),
     ("core", 37950),
-    ("import", 18904),
-    ("link", 10448),
+    ("files", 133),
+    ("import", 10809),
+    ("link", 10451),
     ("python", 989),
-    ("session", 8198),
-    ("study", 3179),
-    ("workbench", 37413),
-    ("workflow", 21086),
+    ("session", 8093),
+    ("study", 3180),
+    ("workbench", 37420),
+    ("workflow", 21139),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
