@@ -120,8 +120,15 @@ impl Displacements {
         let on_axes = DrawingPattern::of_axes().filter_map(|pattern| {
             let weights = self.weights(robot, pattern)?;
             let shape = &weights / weights.norm_squared();
-            let of_pattern = &shape * shape.transpose() * (square * self.along(&weights)[1]);
-            Some((pattern, DMatrix::from_diagonal(&self.stated) + of_pattern))
+            let variance = square * self.along(&weights)[1];
+            let mut prior = DMatrix::from_diagonal(&self.stated);
+            prior += &shape * shape.transpose() * variance;
+            if let DrawingPattern::Turn(about) = pattern {
+                // By an angle a, points also move towards the axis by a^2/2 of their distance, whose mean square is 3/4 variance^2.
+                let towards = self.towards_axis(robot, about);
+                prior += &towards * towards.transpose() * (0.75 * variance.powi(2));
+            }
+            Some((pattern, prior))
         });
         let of_pulleys = (0..robot.cable_count()).map(|cable| {
             let mut stated = self.stated.clone();
@@ -132,6 +139,16 @@ impl Displacements {
             (DrawingPattern::Pulley(cable), prior)
         });
         on_axes.chain(of_pulleys).collect()
+    }
+
+    /// The way of each coordinate to the axis of a turn through the middle of the pulleys (m).
+    fn towards_axis(&self, robot: &Robot, about: usize) -> DVector<f64> {
+        let centre = centre_of(robot);
+        let ways = self.places.iter().map(|&(cable, axis)| match axis {
+            _ if axis == about => 0.0,
+            _ => centre[axis] - robot.cables[cable].pulley.entry_point_m[axis],
+        });
+        DVector::from_iterator(self.places.len(), ways)
     }
 
     /// Weights of a pattern; of one pulley along its displacement.
@@ -150,7 +167,7 @@ impl Displacements {
     fn weights(&self, robot: &Robot, pattern: DrawingPattern) -> Option<DVector<f64>> {
         let place_of = |cable: usize| Vector3::from(robot.cables[cable].pulley.entry_point_m);
         let all = (0..robot.cable_count()).map(place_of);
-        let centre = all.clone().sum::<Vector3<f64>>() / robot.cable_count() as f64;
+        let centre = centre_of(robot);
         let lever = |(cable, axis): (usize, usize)| match pattern {
             DrawingPattern::Extent(along) if axis == along => place_of(cable)[axis] - centre[axis],
             DrawingPattern::Turn(about) => {
@@ -178,6 +195,13 @@ impl Displacements {
         (square > 0.0 && levers.iter().filter(|v| **v != 0.0).count() > 1)
             .then(|| levers * (extent / square))
     }
+}
+
+/// Middle of the pulleys (m).
+fn centre_of(robot: &Robot) -> Vector3<f64> {
+    let places = robot.cables.iter();
+    let places = places.map(|cable| Vector3::from(cable.pulley.entry_point_m));
+    places.sum::<Vector3<f64>>() / robot.cable_count() as f64
 }
 
 /// Evidence that the readings contradict the drawing.

@@ -134,35 +134,41 @@ fn two_exchanges_are_found_together() {
     assert!(diagnosis.extended.adequate);
 }
 
-/// Entry points of MINI that are farther apart along x by twelve standard deviations of the drawing: the finding is the width,
-/// not a part.
-#[test]
-fn a_wrong_width_is_a_finding_of_the_drawing() {
+/// A run of MINI whose entry points are elsewhere than drawn.
+fn elsewhere(place: impl Fn([f64; 3]) -> [f64; 3]) -> Dataset {
     let preset = presets::find("mini").unwrap();
-    let stated = preset
-        .robot
-        .cables
-        .iter()
-        .map(|cable| cable.pulley.entry_point_m);
-    let wider = stated
-        .map(|[x, y, z]| [x + 0.02 * x.signum(), y, z])
-        .collect();
+    let cables = preset.robot.cables.iter();
+    let places = cables.map(|cable| place(cable.pulley.entry_point_m));
     let options = SimulationOptions {
         workspace: Some(preset.workspace),
         tension: Some(preset.tension),
-        geometry: TrueGeometry::EntryPoints(wider),
+        geometry: TrueGeometry::EntryPoints(places.collect()),
         ..SimulationOptions::new(40, 10)
     };
-    let run = simulate(&preset.robot, &options).unwrap();
-    let diagnosis = diagnosed(&run.dataset);
-    let drawing = diagnosis.drawing.as_ref().expect("a wrong drawing");
-    assert_eq!(drawing.pattern, DrawingPattern::Extent(0));
-    assert!(
-        (drawing.size - 0.04).abs() < 5.0 * drawing.sd,
-        "{drawing:?}"
-    );
-    assert!(drawing.worth_m.unwrap() > 1e-3);
-    assert!(found(&diagnosis).is_empty(), "{:?}", found(&diagnosis));
+    simulate(&preset.robot, &options).unwrap().dataset
+}
+
+/// Farther apart along x by twelve standard deviations of the drawing, and turned by so much that the pulleys are 14 mm beside the
+/// tangents of their circles: the finding is the pattern, not a part.
+#[test]
+fn wrong_widths_and_turns_are_findings_of_the_drawing() {
+    let wider = elsewhere(|[x, y, z]| [x + 0.02 * x.signum(), y, z]);
+    let (sin, cos) = 0.21_f64.sin_cos();
+    let turned = elsewhere(|[x, y, z]| [cos * x - sin * y, sin * x + cos * y, z]);
+    let cases = [
+        (wider, DrawingPattern::Extent(0), 0.04),
+        (turned, DrawingPattern::Turn(2), 0.21),
+    ];
+    for (dataset, pattern, size) in cases {
+        let diagnosis = diagnosed(&dataset);
+        let drawing = diagnosis.drawing.as_ref().expect("a wrong drawing");
+        assert!(drawing.is_named());
+        assert_eq!(drawing.pattern, pattern);
+        let off = (drawing.size - size).abs();
+        assert!(off < 5.0 * drawing.sd, "{drawing:?}");
+        assert!(drawing.worth_m.unwrap() > 1e-3);
+        assert!(found(&diagnosis).is_empty(), "{:?}", found(&diagnosis));
+    }
 }
 
 /// Drawings that are right to within what is stated. A pattern has to stand out by more than four standard deviations, so that one of
