@@ -112,7 +112,7 @@ impl DialectText {
         let doubt = match self.sd_holds {
             true => "",
             false => {
-                " The model does NOT explain the readings, so expect more than these figures; `tautline diagnose` looks for the cause."
+                " The model does NOT explain the readings, so expect more than these figures; a diagnosis looks for the cause."
             }
         };
         format!("{before}These lines: {after} expected; {model}.{parts}{at_home}{doubt}")

@@ -4,6 +4,7 @@ use tautline_core::effect;
 use tautline_core::robot::Cable;
 use tautline_link::parameters::EffectName;
 
+use super::cable_label;
 use super::units::unit_of;
 
 /// Index of the cable that a parameter belongs to.
@@ -44,7 +45,8 @@ pub fn title(name: &str, cables: &[Cable]) -> String {
     match cable {
         Some((index, cable)) => {
             let part = name.get(cable.name.len() + 1..).unwrap_or(name);
-            format!("{} {}", index + 1, words(part).to_lowercase())
+            let label = cable_label(index, &cable.name);
+            format!("{label} {}", words(part).to_lowercase())
         }
         None => words(name),
     }
