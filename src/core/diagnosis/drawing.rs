@@ -71,6 +71,9 @@ pub(super) fn with_wider_places(robot: &Robot) -> Robot {
     wider
 }
 
+/// A pattern with the prior mean (m) and covariance (m^2) of the displacements.
+type Pattern = (DrawingPattern, DVector<f64>, DMatrix<f64>);
+
 /// Displacements of the coordinates whose places are stated with an uncertainty, in order of cable and axis.
 struct Displacements {
     /// Cable and axis of each.
@@ -114,21 +117,28 @@ impl Displacements {
         [weights.dot(&self.values), stated, estimated]
     }
 
-    /// The patterns, each with the prior covariance of the displacements if it is known so much less well than stated.
-    fn patterns(&self, robot: &Robot, widening: f64) -> Vec<(DrawingPattern, DMatrix<f64>)> {
+    /// The patterns, each with the prior mean and covariance of the displacements if it is known so much less well than stated.
+    fn patterns(&self, robot: &Robot, widening: f64) -> Vec<Pattern> {
         let square = widening.powi(2);
         let on_axes = DrawingPattern::of_axes().filter_map(|pattern| {
             let weights = self.weights(robot, pattern)?;
+            let [size, stated, _] = self.along(&weights);
             let shape = &weights / weights.norm_squared();
-            let variance = square * self.along(&weights)[1];
-            let mut prior = DMatrix::from_diagonal(&self.stated);
-            prior += &shape * shape.transpose() * variance;
-            if let DrawingPattern::Turn(about) = pattern {
-                // By an angle a, points also move towards the axis by a^2/2 of their distance, whose mean square is 3/4 variance^2.
-                let towards = self.towards_axis(robot, about);
-                prior += &towards * towards.transpose() * (0.75 * variance.powi(2));
-            }
-            Some((pattern, prior))
+            let (mean, shape) = match pattern {
+                DrawingPattern::Turn(about) => {
+                    // The displacement by an angle is linear in it only beside the one that is found.
+                    let angle = size.clamp(-1.0, 1.0).asin();
+                    let (sin, cos) = angle.sin_cos();
+                    let towards = self.towards_axis(robot, about);
+                    let tangent = &shape * cos + &towards * sin;
+                    let turned = shape * sin + towards * (1.0 - cos);
+                    (turned - &tangent * angle, tangent)
+                }
+                _ => (DVector::zeros(shape.len()), shape),
+            };
+            let of_pattern = &shape * shape.transpose() * (square * stated);
+            let prior = DMatrix::from_diagonal(&self.stated) + of_pattern;
+            Some((pattern, mean, prior))
         });
         let of_pulleys = (0..robot.cable_count()).map(|cable| {
             let mut stated = self.stated.clone();
@@ -136,7 +146,11 @@ impl Displacements {
                 *variance *= if place.0 == cable { square } else { 1.0 };
             }
             let prior = DMatrix::from_diagonal(&stated);
-            (DrawingPattern::Pulley(cable), prior)
+            (
+                DrawingPattern::Pulley(cable),
+                DVector::zeros(stated.len()),
+                prior,
+            )
         });
         on_axes.chain(of_pulleys).collect()
     }
@@ -230,23 +244,29 @@ pub(super) fn drawing_evidence(
     let right_side = &precision * &displacements.values;
     let prior = &displacements.stated * widening.powi(2);
     let information = precision - DMatrix::from_diagonal(&prior.map(f64::recip));
-    let of_prior = |prior: &DMatrix<f64>| {
+    let of_prior = |mean: &DVector<f64>, prior: &DMatrix<f64>| {
         let root = prior.clone().cholesky()?.unpack();
-        Evidence::with_prior(&right_side, &information, &root)
+        let beside = &right_side - &information * mean;
+        Evidence::with_prior(&beside, &information, &root)
     };
+    // Log density of the readings at these displacements, relative to none.
+    let log_density = |at: &DVector<f64>| right_side.dot(at) - 0.5 * at.dot(&(&information * at));
     let of_widening = |widening: f64| {
         let patterns = displacements.patterns(robot, widening).into_iter();
-        patterns.filter_map(move |(pattern, prior)| Some((pattern, of_prior(&prior)?.log())))
+        patterns.filter_map(move |(pattern, mean, prior)| {
+            Some((pattern, log_density(&mean) + of_prior(&mean, &prior)?.log()))
+        })
     };
     let patterns: Vec<(DrawingPattern, f64)> =
         PLACES_WIDER.into_iter().flat_map(of_widening).collect();
     let most = patterns.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let in_pattern = log_sum(patterns.iter().map(|one| one.1)) - (patterns.len() as f64).ln();
     let wider = &displacements.stated * MOST_WIDER.powi(2);
-    let anywhere = of_prior(&DMatrix::from_diagonal(&wider))?;
+    let none = DVector::zeros(wider.len());
+    let anywhere = of_prior(&none, &DMatrix::from_diagonal(&wider))?;
     let wrong = log_sum([anywhere.log(), in_pattern].into_iter());
     let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
-    let stated = of_prior(&DMatrix::from_diagonal(&displacements.stated))?;
+    let stated = of_prior(&none, &DMatrix::from_diagonal(&displacements.stated))?;
     let right = (1.0 - WRONG_DRAWING).ln() + stated.log();
     Some(DrawingEvidence {
         log_odds: wrong - right,
