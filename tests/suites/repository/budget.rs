@@ -10,7 +10,7 @@ use crate::layout::{root, rust_files};
 const BUDGET: [(&str, usize); 11] = [
     ("channels", 8119),
     ("cli", 7606),
-    ("core", 37950),
+    ("core", 37986),
     ("files", 133),
     ("import", 10809),
     ("link", 10451),
@@ -18,7 +18,7 @@ const BUDGET: [(&str, usize); 11] = [
     ("session", 8093),
     ("study", 3180),
     ("workbench", 37420),
-    ("workflow", 21139),
+    ("workflow", 21141),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
