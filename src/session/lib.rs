@@ -1,8 +1,8 @@
 //! Files of Tautline: dataset folders, session files, model files.
 //!
-//! Every reader accepts bytes from any source and returns a valid value or a [`ReadError`] of one sentence; none panics,
-//! and the memory it needs is bounded by a fixed multiple of the size of its input. Every writer replaces its file
-//! atomically.
+//! Every reader accepts bytes from any source and returns a valid value or a [`ReadError`](tautline_files::ReadError) of one
+//! sentence; none panics, and the memory it needs is bounded by a fixed multiple of the size of its input. Every writer
+//! replaces its file atomically.
 
 mod atomic;
 mod dataset;
