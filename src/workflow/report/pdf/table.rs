@@ -115,11 +115,8 @@ impl Layout<'_> {
             widths = all(true);
         }
         let cell_width = |text: &String| self.faces.width(text, CELL.size, CELL.bold);
-        let cells: Vec<Vec<f64>> = table
-            .rows
-            .iter()
-            .map(|row| row.iter().map(cell_width).collect())
-            .collect();
+        let of_row = |row: &Vec<String>| row.iter().map(cell_width).collect();
+        let cells: Vec<Vec<f64>> = table.rows.iter().map(of_row).collect();
         let line_count = |widths: &[f64]| -> usize {
             let lines = |(cell, width): (&f64, &f64)| (cell / (width - 2.0 * PADDING)).ceil();
             let rows = cells.iter().map(|row| row.iter().zip(widths).map(lines));
@@ -130,16 +127,18 @@ impl Layout<'_> {
         while excess > 0.0 {
             let texts = (0..widths.len()).filter(|k| table.columns[*k].1 == Align::Left);
             let narrowed = texts.filter(|k| widths[*k] > NARROWEST).map(|k| {
+                let step = excess.min(STEP).min(widths[k] - NARROWEST);
                 let mut narrowed = widths.clone();
-                narrowed[k] -= excess.min(STEP).min(widths[k] - NARROWEST);
-                (line_count(&narrowed), -widths[k], narrowed)
+                narrowed[k] -= step;
+                (line_count(&narrowed), -widths[k], step, narrowed)
             });
             let shortest = narrowed.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-            let Some((_, _, shortest)) = shortest else {
+            let Some((.., step, shortest)) = shortest else {
                 break;
             };
             widths = shortest;
-            excess = widths.iter().sum::<f64>() - WIDTH;
+            // Rounding of the sum could leave an excess that no step removes.
+            excess -= step;
         }
         let total: f64 = widths.iter().sum();
         let scale = (WIDTH / total).min(1.0);
