@@ -91,7 +91,11 @@ fn fit_of_possible<'a>(
 ) -> Result<Fit<'a>, EstimationError> {
     loop {
         let fit = Fit::new(problem, &causes)?;
-        let impossible = fit.causes.iter().position(|c| !has_possible_values(c));
+        let robot = &problem.dataset.robot;
+        let impossible = fit
+            .causes
+            .iter()
+            .position(|c| !has_possible_values(c, robot));
         let Some(impossible) = impossible else {
             return Ok(fit);
         };
