@@ -226,6 +226,23 @@ impl Session {
         }
     }
 
+    /// A session of the same robot with corrected readings of the same poses, but without results.
+    #[must_use]
+    pub fn with_readings(
+        &self,
+        name: impl Into<String>,
+        measurements: Measurements,
+        now: Timestamp,
+    ) -> Self {
+        Self {
+            plan: self.plan.clone(),
+            excluded: self.excluded.clone(),
+            has_simulated_readings: self.has_simulated_readings,
+            measurements,
+            ..self.another_series(name, now)
+        }
+    }
+
     /// Whether readings are known to be simulated rather than those of a real machine.
     #[must_use]
     pub fn is_simulated(&self) -> bool {

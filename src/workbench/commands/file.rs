@@ -69,6 +69,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
         },
         FileCommand::SaveAs(path) => save(model, link_target(&path)),
         FileCommand::NewSeries(repaired) => new_series(model, &repaired),
+        FileCommand::OpenCorrected => open_corrected(model),
         FileCommand::Close => leave(model, PendingAction::Close),
         FileCommand::Quit if model.hypothesis.is_unsaved() => {
             hypothesis::go_on(model, AfterHypothesis::Quit);
@@ -135,6 +136,15 @@ fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
         text,
     });
     go_to(model, series, None, Origin::Series);
+}
+
+/// Saves the open session and opens a copy without the mistakes in its readings.
+fn open_corrected(model: &mut Model) {
+    let diagnosed = |open: &OpenSession| Some((open.diagnosis()?.clone(), open.session().clone()));
+    if let Some((diagnosed, session)) = model.open.as_ref().and_then(diagnosed) {
+        let copy = diagnosed.corrected_copy(&session, clock::now());
+        go_to(model, copy, None, Origin::Series);
+    }
 }
 
 /// Asks for a path to save to; suggests the present file.

@@ -4,6 +4,9 @@
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::measurement::Dataset;
 use tautline_import::{Mistake, Suggestion, check_table};
+use tautline_session::{LogEntry, Phase as LogPhase, Session, Timestamp};
+
+use super::Diagnosed;
 
 /// Largest number of rounds: some mistakes show only after others are corrected.
 const ROUNDS: usize = 5;
@@ -39,18 +42,46 @@ pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Sugges
         }
         undone.extend(new);
     }
-    if undone.iter().any(|one| one.mistake == Mistake::OtherFrame) {
-        let left = OF_ALIGNMENT.into_iter().filter_map(find);
-        let left = left.map(|effect| EffectSetting {
-            effect: effect.id().to_owned(),
-            targets: Vec::new(),
-            parameters: (effect.parameters().iter())
-                .map(|parameter| (parameter.name.to_owned(), parameter.neutral))
-                .collect(),
-        });
-        corrected.robot.effects.extend(left);
-    }
+    corrected.robot.effects.extend(left_by(&undone));
     (!undone.is_empty()).then_some((corrected, undone))
+}
+
+/// Effects that estimate what the correction of mistakes leaves.
+fn left_by(undone: &[Suggestion]) -> Vec<EffectSetting> {
+    if !undone.iter().any(|one| one.mistake == Mistake::OtherFrame) {
+        return Vec::new();
+    }
+    let left = OF_ALIGNMENT.into_iter().filter_map(find);
+    left.map(|effect| EffectSetting {
+        effect: effect.id().to_owned(),
+        targets: Vec::new(),
+        parameters: (effect.parameters().iter())
+            .map(|parameter| (parameter.name.to_owned(), parameter.neutral))
+            .collect(),
+    })
+    .collect()
+}
+
+impl Diagnosed {
+    /// A copy of a diagnosed session in which the mistakes are corrected. The session itself keeps what was recorded.
+    #[must_use]
+    pub fn corrected_copy(&self, session: &Session, now: Timestamp) -> Session {
+        let mut readings = session.measurements.clone();
+        for mistake in &self.mistakes {
+            mistake.correct(&mut readings);
+        }
+        let mut copy = session.with_readings(format!("{}, corrected", session.name), readings, now);
+        for mistake in &self.mistakes {
+            copy.record(LogEntry {
+                time: now,
+                phase: LogPhase::Poses,
+                text: format!("Corrected: {}.", mistake.sentence),
+            });
+        }
+        let effects = &mut copy.settings.identification.effects;
+        effects.extend(left_by(&self.mistakes));
+        copy
+    }
 }
 
 /// Whether a diagnosis undoes a mistake. Not so steps of a few millimetres, which are causes that the diagnosis finds itself
@@ -90,9 +121,18 @@ mod tests {
             data.revolutions.set(row, 1, b);
             data.revolutions.set(row, 4, a);
         }
+        let now = Timestamp::from_unix_seconds(1_700_000_000);
+        let mut session = Session::new("MINI", wrong.robot.clone(), now);
+        session.measurements = wrong.measurements.clone();
+        session.exclude(7).expect("a measured pose");
         let options = (0.01, TIME_LIMIT_S);
         let told = diagnose_dataset(wrong.into(), options, &mut |_| Control::Continue);
         let told = told.expect("a diagnosis");
+        let copy = told.corrected_copy(&session, now);
+        assert_eq!(copy.name, "MINI, corrected");
+        assert_eq!(copy.excluded(), session.excluded());
+        assert_eq!(copy.measurements, dataset().measurements);
+        assert_ne!(copy.measurements, session.measurements);
         let mistakes: Vec<Mistake> = told.mistakes.iter().map(|one| one.mistake).collect();
         assert_eq!(mistakes, [Mistake::Exchanged, Mistake::ReversedSign]);
         assert!(told.diagnosis.base.adequate && told.diagnosis.findings.is_empty());

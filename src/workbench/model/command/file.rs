@@ -33,6 +33,8 @@ pub enum FileCommand {
     /// Begins another series of the open session: the same robot, plan and settings, nothing measured. The model of the
     /// series lacks these effects, which were repaired.
     NewSeries(Vec<EffectSetting>),
+    /// Opens a copy of the open session in which the mistakes that the diagnosis found are corrected.
+    OpenCorrected,
     Close,
     Quit,
     /// Answers the question about unsaved changes and an armed robot.

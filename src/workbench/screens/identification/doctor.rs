@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{CollapsingHeader, Ui};
 
 use super::{Panel, card, discrepancy, effects, results};
-use crate::model::command::{DIAGNOSING, IdentificationCommand};
+use crate::model::command::{DIAGNOSING, FileCommand, IdentificationCommand};
 use crate::model::findings;
 use crate::theme::GRID;
 use crate::widgets::{UiExt, Verdict, probability};
@@ -82,6 +82,10 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
             ui.bad(line);
         }
         ui.muted(advice);
+    }
+    let may_correct = panel.open.diagnosis_is_current() && !diagnosed.mistakes.is_empty();
+    if may_correct && ui.button("Correct a copy of the session").clicked() {
+        panel.outbox.send(FileCommand::OpenCorrected);
     }
     for (heading, is_cause) in [("Causes", true), ("What remains", false)] {
         let findings = diagnosis.findings.iter().enumerate();
