@@ -379,7 +379,7 @@ fn plots(looks: &mut Looks) -> Result<()> {
     for tab in [
         "Residuals",
         "By variable",
-        "Laser",
+        "Distances",
         "Tensions",
         "Convergence",
         "Correlation",

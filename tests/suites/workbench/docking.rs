@@ -209,7 +209,7 @@ fn four_plots_can_be_read_in_a_small_window() {
     let mut harness = identified();
     press(&mut harness, "Plot layout");
     press(&mut harness, "Four plots");
-    for name in ["Residuals", "Tensions", "By variable", "Laser"] {
+    for name in ["Residuals", "Tensions", "By variable", "Distances"] {
         let plot = rect(&harness, &format!("Plot: {name}"));
         assert!(
             plot.width() > 250.0 && plot.height() > 100.0,

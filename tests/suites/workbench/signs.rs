@@ -169,7 +169,7 @@ fn the_plots_below_and_the_report_show_the_residuals_of_the_table() {
     for (measured, tabs) in [
         (
             Measured::mini(30, &[winch]),
-            &["Residuals", "Laser", "Tensions"][..],
+            &["Residuals", "Distances", "Tensions"][..],
         ),
         (Measured::tracked(20), &["Residuals", "Tracker"][..]),
     ] {
@@ -181,7 +181,7 @@ fn the_plots_below_and_the_report_show_the_residuals_of_the_table() {
         let table = reading_statistics(&fit);
         for tab in tabs {
             let (quantity, in_newtons) = match *tab {
-                "Laser" => (Quantity::Laser, false),
+                "Distances" => (Quantity::Laser, false),
                 "Tensions" => (Quantity::Tension, true),
                 "Tracker" => (Quantity::TrackerPosition, false),
                 _ => (Quantity::Length, false),
