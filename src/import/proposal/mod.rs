@@ -776,12 +776,15 @@ impl Proposal<'_> {
                 .iter()
                 .map(|(_, channel)| channel.name.as_str());
             let names: Vec<&str> = names.collect();
-            let what = match is_commanded {
-                true => "commanded",
-                false => "measured",
+            let (what, other) = match is_commanded {
+                true => (
+                    "commanded",
+                    "; if an instrument measured them, state it as `tracker` in robot.json and import again",
+                ),
+                false => ("measured", ""),
             };
             self.notices.push(format!(
-                "{}: {} are taken for {what} poses, which their names do not state",
+                "{}: {} are taken for {what} poses, which their names do not state{other}",
                 series.name,
                 names.join(", ")
             ));
