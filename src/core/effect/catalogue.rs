@@ -6,10 +6,10 @@ use super::{
     force_bias, force_gain, force_latency, frame_compliance, frame_shift, frame_thermal,
     heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
     laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
-    pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, swivel_offset, target_tilt,
-    tracker_axes, tracker_clock, tracker_frame, tracker_latency, tracker_moved, tracker_outlier,
-    tracker_scale, tracker_target, tracker_tilt, winch_backlash, winch_offset, winch_scale,
-    winch_scale_common,
+    pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, slack_cable, swivel_offset,
+    target_tilt, tracker_axes, tracker_clock, tracker_frame, tracker_latency,
+    tracker_moved, tracker_outlier, tracker_scale, tracker_target, tracker_tilt, winch_backlash,
+    winch_offset, winch_scale, winch_scale_common,
 };
 
 /// All effects that poses at rest can reveal, in the order in which reports list them.
@@ -74,9 +74,13 @@ pub static OF_EXTERNAL_POSES: &[&Effect] = &[
     &tracker_outlier::EFFECT,
 ];
 
+/// All effects at whose poses readings do not obey the model. A diagnosis compares the poses with and without these readings, so
+/// that no search has them as candidates.
+static SET_ASIDE: &[&Effect] = &[&slack_cable::EFFECT];
+
 /// All named effects.
 pub fn every_effect() -> impl Iterator<Item = &'static Effect> {
-    let shown_at_rest = CATALOGUE.iter().chain(OF_EXTERNAL_POSES);
+    let shown_at_rest = CATALOGUE.iter().chain(SET_ASIDE).chain(OF_EXTERNAL_POSES);
     shown_at_rest.chain(IN_MOTION).copied()
 }
 

@@ -38,8 +38,7 @@ impl Globals {
             laser.target_plane.offset_m = self.plane_offset_m;
         }
         if let Some(home) = &mut model.home {
-            home.position_m = self.home.position.into();
-            home.orientation_wxyz = self.home.orientation_wxyz();
+            *home = home.at(&self.home);
         }
         let settings = |bound: &[BoundEffect]| bound.iter().map(|b| b.setting(robot)).collect();
         model.effects = settings(&self.effects);

@@ -25,8 +25,8 @@ pub use length_breakdown::{
 };
 pub(crate) use position_response::position_response;
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
-pub(crate) use statics::balanced_tension;
 pub use statics::{
     Feasibility, TensionDistribution, applied_wrench, distribute_tension, equilibrium_residual,
     structure_matrix,
 };
+pub(crate) use statics::{balanced_tension, resting_pose};

@@ -198,6 +198,80 @@ pub(crate) fn balanced_tension(robot: &Robot, pose: &Pose, limits: &TensionLimit
     }
 }
 
+/// Largest number of steps to a pose at rest.
+const RESTING_STEPS: usize = 50;
+/// Longest step to it, as the norm of a twist (m, rad).
+const RESTING_STEP: f64 = 0.2;
+/// Singular value that counts as zero, relative to the largest.
+const RANK_TOLERANCE: f64 = 1e-9;
+/// Difference for the derivative of the wrench by the pose (m, rad).
+const DIFFERENCE: f64 = 1e-6;
+
+/// The pose near `pose`, with the tensions (N), at which a platform with fewer cables than free coordinates hangs at rest: gravity
+/// turns it until the cables balance it, which they do only at such poses. The steps are Gauss-Newton ones of least norm for the
+/// wrench that is left by the tensions that balance it best. `None` if no stable equilibrium is near: it is stable if no motion
+/// that keeps the lengths lowers the energy.
+///
+/// # Errors
+/// If a cable has no path on the way (naming it), or the mass is not given.
+pub(crate) fn resting_pose(
+    robot: &Robot,
+    pose: &Pose,
+) -> Result<Option<(Pose, Vec<f64>)>, KinematicsError> {
+    let freedom = robot.platform.freedom();
+    let coordinates = freedom.count();
+    let moved = |pose: &Pose, step: &[f64]| pose.perturbed(&freedom.expand(step));
+    let mut pose = *pose;
+    for _ in 0..RESTING_STEPS {
+        let structure = structure_matrix(robot, &pose)?;
+        let weight = applied_wrench(robot, &pose)?;
+        let Ok(inverse) = structure.transpose().pseudo_inverse(RANK_TOLERANCE) else {
+            return Ok(None);
+        };
+        let tensions: Vec<f64> = (-(&inverse * &weight)).iter().copied().collect();
+        let at = |step: &[f64]| equilibrium_residual(robot, &moved(&pose, step), &tensions);
+        let mut step = vec![0.0; coordinates];
+        let wrench = at(&step)?;
+        let mut by_pose = DMatrix::zeros(coordinates, coordinates);
+        for axis in 0..coordinates {
+            step[axis] = DIFFERENCE;
+            let beyond = at(&step)?;
+            step[axis] = -DIFFERENCE;
+            let slope = (beyond - at(&step)?) / (2.0 * DIFFERENCE);
+            by_pose.set_column(axis, &slope);
+            step[axis] = 0.0;
+        }
+        if wrench.norm() <= 0.01 * EQUILIBRIUM_TOLERANCE * weight.norm() {
+            return Ok(is_stable(&structure, &by_pose).then_some((pose, tensions)));
+        }
+        let unbalanced = &by_pose - structure.transpose() * (inverse * &by_pose);
+        // A turn about a point in which all cables meet changes nothing.
+        let least = RANK_TOLERANCE * by_pose.norm();
+        let Ok(step) = unbalanced.svd(true, true).solve(&-wrench, least) else {
+            return Ok(None);
+        };
+        let step = &step * (RESTING_STEP / step.norm()).min(1.0);
+        pose = moved(&pose, step.as_slice());
+    }
+    Ok(None)
+}
+
+/// Whether no motion that keeps the lengths lowers the energy, whose second derivative is `-dF/dx` of the wrench `F`.
+fn is_stable(structure: &DMatrix<f64>, wrench_by_pose: &DMatrix<f64>) -> bool {
+    let constraints = structure.tr_mul(structure).symmetric_eigen();
+    let largest = constraints.eigenvalues.amax();
+    let is_free = |k: &usize| constraints.eigenvalues[*k] < RANK_TOLERANCE * largest;
+    let free: Vec<usize> = (0..structure.ncols()).filter(is_free).collect();
+    let motions = constraints.eigenvectors.select_columns(&free);
+    let stiffness = motions.tr_mul(&(wrench_by_pose * -&motions));
+    let stiffness = (&stiffness + stiffness.transpose()) * 0.5;
+    let least = -RANK_TOLERANCE.sqrt() * wrench_by_pose.norm();
+    stiffness
+        .symmetric_eigenvalues()
+        .iter()
+        .all(|own| *own >= least)
+}
+
 /// The dual problem, with columns of `A` scaled to norm 1 and padded to six coordinates.
 struct Dual<'a> {
     rows: Vec<Vector6>,
@@ -494,6 +568,58 @@ mod tests {
             feasible += usize::from(check(&robot, &pose, 5.0, 60.0));
         }
         assert!((1..10).contains(&feasible), "{feasible}");
+    }
+
+    /// The equilibrium is compared with the lowest of all poses that keep the lengths of two cables, found by a scan.
+    #[test]
+    fn a_bar_on_two_cables_comes_to_rest_at_its_lowest_pose() {
+        let free = [Coordinate::X, Coordinate::Z, Coordinate::Ry];
+        let mut rng = samples::generator(24);
+        let mut checked = 0;
+        for _ in 0..40 {
+            let (mut robot, start) = samples::anywhere(&mut rng, &free, 2);
+            for (cable, side) in robot.cables.iter_mut().zip([-1.0, 1.0]) {
+                cable.pulley.entry_point_m = [side * rng.random_range(1.0..2.0), 0.0, 2.0];
+                cable.pulley.radius_m = 0.0;
+                cable.platform_anchor_m = [side * 0.3, 0.0, 0.1];
+            }
+            robot.platform.center_of_mass_m = [rng.random_range(-0.1..0.1), 0.0, -0.1];
+            let start = Pose {
+                position: Vec3::new(rng.random_range(-0.5..0.5), 0.0, 0.0),
+                ..start
+            };
+            let Some((rest, _)) = resting_pose(&robot, &start).unwrap() else {
+                continue;
+            };
+            let lengths = |pose: &Pose| -> Vec<f64> {
+                let states = super::super::inverse_kinematics(&robot, pose).unwrap();
+                states.iter().map(|state| state.length_m).collect()
+            };
+            let height = |pose: &Pose| pose.transform(&robot.platform.center_of_mass_m.into()).z;
+            let kept = lengths(&rest);
+            // Poses with the same lengths, turned by a little: two Newton steps on x and z.
+            for turn in [-0.02, -0.01, 0.01, 0.02] {
+                let mut near = rest.perturbed(&Twist::new(0.0, 0.0, 0.0, 0.0, turn, 0.0));
+                for _ in 0..20 {
+                    let slopes = structure_matrix(&robot, &near).unwrap();
+                    let off: Vec<f64> = lengths(&near)
+                        .iter()
+                        .zip(&kept)
+                        .map(|(a, b)| a - b)
+                        .collect();
+                    let step = slopes
+                        .columns(0, 2)
+                        .into_owned()
+                        .lu()
+                        .solve(&DVector::from_vec(off));
+                    let step = step.unwrap();
+                    near = near.perturbed(&Twist::new(step[0], 0.0, step[1], 0.0, 0.0, 0.0));
+                }
+                assert!(height(&near) > height(&rest), "{turn}");
+            }
+            checked += 1;
+        }
+        assert!(checked >= 20, "{checked}");
     }
 
     #[test]

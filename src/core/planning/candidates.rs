@@ -111,7 +111,7 @@ pub(super) fn draw_pose(model: &InformationModel<'_>, rng: &mut ChaCha8Rng) -> P
         let at_limit = rng.random_range(0.0..1.0) < AT_LIMIT;
         workspace.half_range(k) * if at_limit { place.signum() } else { place }
     });
-    workspace.centre.perturbed(&twist)
+    model.resting_pose(workspace.centre.perturbed(&twist))
 }
 
 pub(super) fn accept(

@@ -11,8 +11,7 @@ use crate::geometry::Pose;
 use crate::measurement::{Dataset, DistanceReading, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{
-    PlannedRow, SimulationError, TensionRange, Workspace, holding_tensions_after_home,
-    planned_readings,
+    AfterHome, PlannedRow, SimulationError, TensionRange, Workspace, planned_readings,
 };
 
 /// Knowledge before the poses of a plan are measured, and the model of how further poses would be measured.
@@ -55,6 +54,12 @@ impl<'a> InformationModel<'a> {
             .collect();
         model.acting = held.map_err(EstimationError::Effect)?;
         model.acting.extend(model.free.iter().cloned());
+        if let Some(home) = model.robot.home {
+            let rest = model.resting_pose(home.pose());
+            if rest != home.pose() {
+                model.robot.home = Some(home.at(&rest));
+            }
+        }
         Ok(model)
     }
 
@@ -116,9 +121,21 @@ impl<'a> InformationModel<'a> {
 
     /// Tensions that balance the platform, if there are any and all cables have paths.
     pub fn tensions(&self, pose: &Pose) -> Option<Vec<f64>> {
-        holding_tensions_after_home(&self.robot, &self.acting, pose, &self.tension)
-            .ok()
-            .flatten()
+        self.after_home().tensions(pose).ok().flatten()
+    }
+
+    /// The pose near it at which the platform rests; the pose itself where its cables determine that it does not move.
+    pub fn resting_pose(&self, pose: Pose) -> Pose {
+        let rest = self.after_home().resting_pose(&pose);
+        rest.ok().flatten().unwrap_or(pose)
+    }
+
+    fn after_home(&self) -> AfterHome<'_> {
+        AfterHome {
+            robot: &self.robot,
+            effects: &self.acting,
+            range: &self.tension,
+        }
     }
 
     /// Whether tensions balance the platform on the straight path between two poses; true if that cannot be checked.

@@ -3,6 +3,7 @@
 use super::*;
 use crate::effect::EffectRequest;
 use crate::estimation::{Options, ParameterId, Problem, Solution, solve};
+use crate::kinematics::equilibrium_residual;
 use crate::measurement::{Dataset, DistanceReading};
 use crate::robot::PartTolerances;
 use crate::robot::presets::{self, Preset};
@@ -438,4 +439,45 @@ fn faults_are_planned_for_on_top_of_what_was_measured() {
     let (together, with) = reached(Some(&run.dataset.measurements));
     assert_eq!((alone, together), (6, 16));
     assert!(with > without, "{with} {without}");
+}
+
+/// A platform that hangs in four cables rests only where they balance it, at poses that its weight decides.
+#[test]
+fn a_platform_on_fewer_cables_than_coordinates_is_planned_and_simulated() {
+    let mut preset = presets::find("mini").unwrap();
+    let cables = &mut preset.robot.cables;
+    cables.retain(|cable| cable.pulley.entry_point_m[2] > 0.0);
+    cables.truncate(4);
+    for cable in cables {
+        let [x, y, _] = cable.pulley.entry_point_m;
+        cable.platform_anchor_m = [0.06 * x.signum(), 0.045 * y.signum(), 0.05];
+    }
+    preset.robot.platform.center_of_mass_m = [0.004, 0.0, -0.03];
+    preset.tension.lower_n = 1.0;
+    let robot = &preset.robot;
+    let plan = planned(&preset, 12);
+    assert_eq!(plan.poses.len(), 12);
+    for pose in poses_of(&plan) {
+        let held = preset.tension.tensions(robot, &pose).unwrap().unwrap();
+        let off = equilibrium_residual(robot, &pose, &held).unwrap();
+        assert!(off.amax() < 1e-6, "{off}");
+    }
+    let options = SimulationOptions {
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(25, 4)
+    };
+    let run = simulate(robot, &options).unwrap();
+    let truth = &run.dataset.measurements.truth;
+    for (row, pose) in truth.poses.iter().enumerate() {
+        let off = equilibrium_residual(&run.truth, pose, truth.tension_n.row(row)).unwrap();
+        assert!(off.amax() < 1e-6, "{off}");
+    }
+    let solution = identified(&run.dataset);
+    let off = solution.chi2 / solution.degrees_of_freedom - 1.0;
+    // Six standard deviations of a chi-square.
+    assert!(
+        off.abs() < 6.0 * (2.0 / solution.degrees_of_freedom).sqrt(),
+        "{off}"
+    );
 }

@@ -124,6 +124,16 @@ pub struct Home {
 }
 
 impl Home {
+    /// Another pose that is known as well.
+    #[must_use]
+    pub fn at(self, pose: &Pose) -> Self {
+        Self {
+            position_m: pose.position.into(),
+            orientation_wxyz: pose.orientation_wxyz(),
+            ..self
+        }
+    }
+
     /// Covariance of the pose as a [`Twist`](crate::geometry::Twist) in the base frame (m, rad): the measured one, else
     /// that of the standard deviations.
     #[must_use]

@@ -1,9 +1,9 @@
 //! Tensions that balance the platform of a robot with effects.
 
 use super::workspace::TensionRange;
-use crate::effect::{BetterKnown, BoundEffect, Dual, PlatformPorts, PoseContexts};
+use crate::effect::{BetterKnown, BoundEffect, Dual, PlatformPorts, PoseContexts, is_slack};
 use crate::geometry::{Pose, Twist};
-use crate::kinematics::KinematicsError;
+use crate::kinematics::{KinematicsError, resting_pose};
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
@@ -81,6 +81,16 @@ pub(super) struct Visit<'a> {
     pub motion: [Twist; 2],
 }
 
+impl<'a> Visit<'a> {
+    /// The same visit of another pose.
+    pub fn at<'b>(&'b self, pose: &'b Pose) -> Visit<'b>
+    where
+        'a: 'b,
+    {
+        Visit { pose, ..*self }
+    }
+}
+
 /// The robot with its geometry and weight as changed by the effects at a visit under `tensions` (N).
 fn robot_under_effects(
     truth: &Robot,
@@ -132,7 +142,11 @@ pub(super) fn holding_tensions(
         return Ok(Some(vec![0.0; truth.cable_count()]));
     }
     let pose = visit.pose;
-    let mut tensions = range.tensions_in_motion(truth, pose, &visit.motion)?;
+    let label = visit.epoch.label;
+    let cables = 0..truth.cable_count();
+    let is_slack = |cable| effects.iter().any(|bound| is_slack(bound, cable, label));
+    let slack: Vec<bool> = cables.map(is_slack).collect();
+    let mut tensions = range.tensions_in_motion(truth, pose, &visit.motion, &slack)?;
     if effects.is_empty() {
         return Ok(tensions);
     }
@@ -142,7 +156,7 @@ pub(super) fn holding_tensions(
             break;
         };
         let robot = robot_under_effects(truth, effects, visit, &before);
-        tensions = range.tensions_in_motion(&robot, pose, &visit.motion)?;
+        tensions = range.tensions_in_motion(&robot, pose, &visit.motion, &slack)?;
         let converged = tensions.as_ref().is_some_and(|now| {
             let steps = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
             steps.fold(0.0, f64::max) < TENSION_TOLERANCE_N
@@ -154,23 +168,65 @@ pub(super) fn holding_tensions(
     Ok(tensions)
 }
 
-/// Tensions that balance the platform at a pose visited directly after home, if the robot has one; as [`holding_tensions`].
-pub(crate) fn holding_tensions_after_home(
-    robot: &Robot,
+/// The pose near that of a visit at which the platform rests under the effects: that of the visit itself, unless the platform has
+/// fewer cables than free coordinates; `None` if there is none.
+pub(super) fn resting_pose_under_effects(
+    truth: &Robot,
     effects: &[BoundEffect],
-    pose: &Pose,
+    visit: &Visit<'_>,
     range: &TensionRange,
-) -> Result<Option<Vec<f64>>, KinematicsError> {
-    let home = robot.home.map(|home| home.pose());
-    let visited = usize::from(home.is_some());
-    let epoch = |row| Schedule::epoch_of(robot, row);
-    let visit = Visit {
-        first: home.as_ref().map(|home| (epoch(0), home)),
-        epoch: epoch(visited),
-        pose,
-        motion: [Twist::zeros(); 2],
-    };
-    holding_tensions(robot, effects, &visit, range)
+) -> Result<Option<Pose>, KinematicsError> {
+    let mut pose = *visit.pose;
+    if !truth.has_tensions() || truth.cable_count() >= truth.platform.freedom().count() {
+        return Ok(Some(pose));
+    }
+    let mut tensions = vec![range.reference_n; truth.cable_count()];
+    for _ in 0..MAX_STEPS {
+        let robot = robot_under_effects(truth, effects, &visit.at(&pose), &tensions);
+        let Some(rest) = resting_pose(&robot, &pose)? else {
+            break;
+        };
+        (pose, tensions) = rest;
+        if holding_tensions(truth, effects, &visit.at(&pose), range)?.is_some() {
+            return Ok(Some(pose));
+        }
+    }
+    Ok(None)
+}
+
+/// A pose that is visited directly after home, if the robot has one.
+pub(crate) struct AfterHome<'a> {
+    pub robot: &'a Robot,
+    pub effects: &'a [BoundEffect],
+    pub range: &'a TensionRange,
+}
+
+impl AfterHome<'_> {
+    /// Tensions that balance the platform there; as [`holding_tensions`].
+    pub fn tensions(&self, pose: &Pose) -> Result<Option<Vec<f64>>, KinematicsError> {
+        self.visit(pose, |visit| {
+            holding_tensions(self.robot, self.effects, visit, self.range)
+        })
+    }
+
+    /// The pose near it at which the platform rests; as [`resting_pose_under_effects`].
+    pub fn resting_pose(&self, pose: &Pose) -> Result<Option<Pose>, KinematicsError> {
+        self.visit(pose, |visit| {
+            resting_pose_under_effects(self.robot, self.effects, visit, self.range)
+        })
+    }
+
+    fn visit<T>(&self, pose: &Pose, then: impl FnOnce(&Visit<'_>) -> T) -> T {
+        let home = self.robot.home.map(|home| home.pose());
+        let visited = usize::from(home.is_some());
+        let epoch = |row| Schedule::epoch_of(self.robot, row);
+        then(&Visit {
+            first: home.as_ref().map(|home| (epoch(0), home)),
+            epoch: epoch(visited),
+            pose,
+            motion: [Twist::zeros(); 2],
+        })
+    }
 }
 
 #[cfg(test)]

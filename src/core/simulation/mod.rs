@@ -13,7 +13,7 @@ mod trajectory;
 mod virtual_robot;
 mod workspace;
 
-pub(crate) use holding_tensions::holding_tensions_after_home;
+pub(crate) use holding_tensions::AfterHome;
 pub use holding_tensions::{Epoch, ambient_temperature_c};
 #[cfg(test)]
 pub(crate) use machines::run_of_machine;

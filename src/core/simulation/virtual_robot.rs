@@ -3,7 +3,9 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::holding_tensions::{Schedule, Visit, holding_tensions};
+use super::holding_tensions::{
+    AfterHome, Schedule, Visit, holding_tensions, resting_pose_under_effects,
+};
 use super::inversion::invert;
 use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
@@ -128,16 +130,18 @@ const TRIES_PER_POSE: usize = 200;
 /// If the robot cannot be held in its workspace, an effect is unknown, or an effect refers to a pose that does not exist.
 pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let truth = draw_truth(robot, options, &mut rng);
+    let mut truth = draw_truth(robot, options, &mut rng);
     let effects = bind(&truth)?;
     if let Some(bound) = effects.iter().find(|bound| bound.effect.is_in_motion()) {
         return Err(SimulationError::AtRest(bound.effect.id()));
     }
-    let (poses, commanded, tensions) = visit_poses(robot, (&truth, &effects), options, &mut rng)?;
-    let schedule = Schedule::of(robot, poses.len() - 1);
+    let mut robot = robot.clone();
+    let (poses, commanded, tensions) =
+        visit_poses((&mut robot, &mut truth), &effects, options, &mut rng)?;
+    let schedule = Schedule::of(&robot, poses.len() - 1);
     let mut exact = Dataset {
         robot: truth.clone(),
-        measurements: blank(robot, schedule, (&poses, &commanded), &tensions),
+        measurements: blank(&robot, schedule, (&poses, &commanded), &tensions),
     };
     for effect in &effects {
         let checked = effect.check_poses(&exact.measurements);
@@ -146,14 +150,14 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
     let directions = true_directions(&truth, &poses)?;
     invert(&mut exact, (&poses, &tensions), &directions)?;
     if options.noise {
-        add_noise(robot, &mut exact.measurements, &mut rng);
+        add_noise(&robot, &mut exact.measurements, &mut rng);
     }
     for effect in &effects {
         effect.exchange_channels(&mut exact.measurements);
     }
     Ok(Simulated {
         dataset: Dataset {
-            robot: robot.clone(),
+            robot,
             measurements: exact.measurements,
         },
         truth,
@@ -220,9 +224,7 @@ pub(super) fn draw_truth(
     if let Some(home) = &mut truth.home {
         let sd = home.covariance().diagonal().map(f64::sqrt);
         let twist = robot.platform.freedom().twist(|k| normal(rng, sd[k]));
-        let pose = home.pose().perturbed(&twist);
-        home.position_m = pose.position.into();
-        home.orientation_wxyz = pose.orientation_wxyz();
+        *home = home.at(&home.pose().perturbed(&twist));
     }
     truth
 }
@@ -261,8 +263,8 @@ type Visits = (Vec<Pose>, Vec<Pose>, Grid);
 /// Home, then poses that the cables can hold; true poses differ from the commanded ones by
 /// about the errors of the drawing.
 fn visit_poses(
-    robot: &Robot,
-    (truth, effects): (&Robot, &[BoundEffect]),
+    (robot, truth): (&mut Robot, &mut Robot),
+    effects: &[BoundEffect],
     options: &SimulationOptions,
     rng: &mut ChaCha8Rng,
 ) -> Result<Visits, SimulationError> {
@@ -271,7 +273,7 @@ fn visit_poses(
     let mut poses = Vec::new();
     let mut commanded = Vec::new();
     let mut tensions = Grid::new(robot.cable_count());
-    let hold = |poses: &[Pose], pose: &Pose| {
+    let hold = |truth: &Robot, poses: &[Pose], pose: &Pose| {
         // Computed for this row only: a schedule of all rows for each would take time quadratic in the poses.
         let epoch = |row| Schedule::epoch_of(truth, row);
         let visit = Visit {
@@ -281,15 +283,25 @@ fn visit_poses(
             pose,
             motion: [Twist::zeros(); 2],
         };
-        holding_tensions(truth, effects, &visit, &range)
+        let Some(pose) = resting_pose_under_effects(truth, effects, &visit, &range)? else {
+            return Ok(None);
+        };
+        let held = holding_tensions(truth, effects, &visit.at(&pose), &range)?;
+        Ok::<_, KinematicsError>(held.map(|tensions| (pose, tensions)))
     };
-    if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
+    if let (Some(home), Some(mut nominal)) = (truth.home, robot.home) {
         let pose = home.pose();
         inverse_kinematics(truth, &pose)?;
-        tensions.push_row(
-            &hold(&poses, &pose)?
-                .ok_or_else(|| SimulationError::infeasible(&range, "the home pose"))?,
-        );
+        let (pose, held) = hold(truth, &poses, &pose)?
+            .ok_or_else(|| SimulationError::infeasible(&range, "the home pose"))?;
+        if pose != home.pose() {
+            // Where a platform hangs is known by measuring it there.
+            let moved = pose.difference(&home.pose());
+            nominal = nominal.at(&nominal.pose().perturbed(&moved));
+            robot.home = Some(nominal);
+            truth.home = Some(home.at(&pose));
+        }
+        tensions.push_row(&held);
         poses.push(pose);
         commanded.push(nominal.pose());
     }
@@ -302,7 +314,16 @@ fn visit_poses(
         }
         let target = match &options.at {
             Some(commanded) => commanded[done],
-            None => workspace.draw(robot, rng),
+            None => {
+                let drawn = workspace.draw(robot, rng);
+                let as_described = AfterHome {
+                    robot,
+                    effects: &[],
+                    range: &range,
+                };
+                let rest = as_described.resting_pose(&drawn);
+                rest.ok().flatten().unwrap_or(drawn)
+            }
         };
         let pose = displaced(robot, &target, rng);
         // A pose that has no cable path in either geometry cannot be commanded.
@@ -310,7 +331,7 @@ fn visit_poses(
         {
             continue;
         }
-        if let Some(held) = hold(&poses, &pose)? {
+        if let Some((pose, held)) = hold(truth, &poses, &pose)? {
             tensions.push_row(&held);
             poses.push(pose);
             commanded.push(target);

@@ -208,7 +208,8 @@ impl TensionRange {
         robot: &Robot,
         pose: &Pose,
     ) -> Result<Option<Vec<f64>>, KinematicsError> {
-        self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2])
+        let none = vec![false; robot.cable_count()];
+        self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2], &none)
     }
 
     /// Checks that tensions balance the platform everywhere on the straight path between two poses, turning about one axis. The
@@ -220,9 +221,12 @@ impl TensionRange {
     /// A pose on the way where there are no such tensions.
     pub fn hold_between(&self, robot: &Robot, from: &Pose, to: &Pose) -> Result<(), Pose> {
         let way = to.difference(from);
+        let none = vec![false; robot.cable_count()];
         let held = |part: f64| {
             let pose = from.perturbed(&(way * part));
-            let found = self.distribution(robot, &pose, &[Twist::zeros(); 2]).ok();
+            let found = self
+                .distribution(robot, &pose, &[Twist::zeros(); 2], &none)
+                .ok();
             let held = found.filter(|found| part == 0.0 || found.balances());
             held.map(|held| (part, held.tensions_n)).ok_or(pose)
         };
@@ -249,14 +253,15 @@ impl TensionRange {
     }
 
     /// Tensions that balance the platform at `pose` with a velocity and an acceleration (m, rad, s; base frame):
-    /// `A^T T + w = [m a_c; c x m a_c + I alpha + w x I w]`; `None` if there are none.
+    /// `A^T T + w = [m a_c; c x m a_c + I alpha + w x I w]`; `None` if there are none. Slack cables pull with nothing.
     pub(super) fn tensions_in_motion(
         self,
         robot: &Robot,
         pose: &Pose,
         motion: &[Twist; 2],
+        are_slack: &[bool],
     ) -> Result<Option<Vec<f64>>, KinematicsError> {
-        let found = self.distribution(robot, pose, motion)?;
+        let found = self.distribution(robot, pose, motion, are_slack)?;
         Ok(found.balances().then_some(found.tensions_n))
     }
 
@@ -265,13 +270,17 @@ impl TensionRange {
         robot: &Robot,
         pose: &Pose,
         motion: &[Twist; 2],
+        are_slack: &[bool],
     ) -> Result<TensionDistribution, KinematicsError> {
         let structure = structure_matrix(robot, pose)?;
         let mut wrench: DVector<f64> = applied_wrench(robot, pose)?;
         if motion.iter().any(|twist| *twist != Twist::zeros()) {
             wrench -= inertial_wrench(robot, pose, motion);
         }
-        let all = |value: f64| vec![value; robot.cable_count()];
+        let all = |value: f64| -> Vec<f64> {
+            let taut = |is_slack: &bool| if *is_slack { 0.0 } else { value };
+            are_slack.iter().map(taut).collect()
+        };
         Ok(distribute_tension(
             &structure,
             &wrench,

@@ -4,6 +4,7 @@ use super::super::drawing::drawing_evidence;
 use super::super::{DrawingPattern, Verdict};
 use super::{Fit, diagnosed, found, problem_at_fitted_poses, run_of, run_with, setting};
 use crate::effect::EffectSetting;
+use crate::kinematics::equilibrium_residual;
 use crate::measurement::{Dataset, Grid};
 use crate::robot::presets;
 use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
@@ -54,13 +55,26 @@ fn a_slack_cable_without_a_force_sensor_is_no_broken_part() {
 
 #[test]
 fn the_force_sensor_of_a_slack_cable_tells_its_poses() {
-    let slack = [(5, 12e-3), (20, 25e-3)];
-    let mut dataset = run_with("mini", 40, 5, &[]).dataset;
-    slacken(&mut dataset, 2, &slack);
-    for (label, _) in slack {
-        let labels = &dataset.measurements.labels;
-        let row = labels.iter().position(|other| *other == label).unwrap();
-        dataset.measurements.force_n.set(row, 2, 0.1);
+    let slack = [(5.0, 12e-3), (20.0, 25e-3)];
+    let slack = slack.map(|(pose, amount)| {
+        let values = [("pose", pose), ("amount", amount)];
+        setting("slack_cable", &["cable-3"], &values)
+    });
+    let run = run_with("mini", 40, 5, &slack);
+    let dataset = run.dataset;
+    for row in [5, 20] {
+        // The other cables balance the platform without it.
+        let truth = &run.truth;
+        let pose = &dataset.measurements.truth.poses[row];
+        let sensors = truth.cables.iter().filter_map(|cable| cable.force_sensor);
+        let read = sensors.zip(dataset.measurements.force_n.row(row));
+        let mut tensions: Vec<f64> = read
+            .map(|(sensor, force)| sensor.tension_n(*force))
+            .collect();
+        assert!(tensions[2].abs() < 4.0, "{tensions:?}");
+        tensions[2] = 0.0;
+        let off = equilibrium_residual(truth, pose, &tensions).unwrap();
+        assert!(off.amax() < 3.0, "{off}");
     }
     let diagnosis = diagnosed(&dataset);
     let told = diagnosis.slack.as_ref().expect("a slack cable");

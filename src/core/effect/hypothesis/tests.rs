@@ -189,6 +189,7 @@ fn every_effect_is_text_or_says_why_not() {
             "laser_beam_tilt",
             "target_tilt",
             "inclinometer_tilt",
+            "slack_cable",
             "tracker_frame",
             "tracker_tilt",
             "tracker_axes",
