@@ -17,7 +17,8 @@ use super::priors::{
 use super::relations::{is_same_effect_and_targets, is_same_place, place_of};
 use super::report::Cause;
 use crate::effect::{
-    BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search, amplitude_of,
+    BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_DISTANCES, OF_EXTERNAL_POSES, Scope, Search,
+    amplitude_of,
 };
 use crate::estimation::{Linearisation, ParameterId};
 use crate::statistics::logit;
@@ -54,10 +55,13 @@ impl Catalogue {
         let shown_by_motion = if data.rates.is_some() { IN_MOTION } else { &[] };
         let is_tracked = fit.problem.dataset.robot.tracker.is_some();
         let shown_by_poses = if is_tracked { OF_EXTERNAL_POSES } else { &[] };
+        let has_distances = fit.problem.has_distances();
+        let shown_by_distances = if has_distances { OF_DISTANCES } else { &[] };
         let effects = || {
             CATALOGUE
                 .iter()
                 .chain(shown_by_poses)
+                .chain(shown_by_distances)
                 .chain(shown_by_motion)
         };
         let turns = fit.problem.dataset.robot.platform.turns();

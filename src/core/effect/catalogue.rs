@@ -7,7 +7,7 @@ use super::{
     heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
     laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
     pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, slack_cable, swivel_offset,
-    target_tilt, tracker_axes, tracker_clock, tracker_frame, tracker_latency,
+    tape_scale, target_tilt, tracker_axes, tracker_clock, tracker_frame, tracker_latency,
     tracker_moved, tracker_outlier, tracker_scale, tracker_target, tracker_tilt, winch_backlash,
     winch_offset, winch_scale, winch_scale_common,
 };
@@ -74,6 +74,9 @@ pub static OF_EXTERNAL_POSES: &[&Effect] = &[
     &tracker_outlier::EFFECT,
 ];
 
+/// All effects that only distances between poses reveal; a separate list for the same reason.
+pub static OF_DISTANCES: &[&Effect] = &[&tape_scale::EFFECT];
+
 /// All effects at whose poses readings do not obey the model. A diagnosis compares the poses with and without these readings, so
 /// that no search has them as candidates.
 static SET_ASIDE: &[&Effect] = &[&slack_cable::EFFECT];
@@ -81,7 +84,7 @@ static SET_ASIDE: &[&Effect] = &[&slack_cable::EFFECT];
 /// All named effects.
 pub fn every_effect() -> impl Iterator<Item = &'static Effect> {
     let shown_at_rest = CATALOGUE.iter().chain(SET_ASIDE).chain(OF_EXTERNAL_POSES);
-    shown_at_rest.chain(IN_MOTION).copied()
+    shown_at_rest.chain(OF_DISTANCES).chain(IN_MOTION).copied()
 }
 
 /// The effect with this identifier.

@@ -54,6 +54,7 @@ mod pulley_radius;
 mod setting;
 mod slack_cable;
 mod swivel_offset;
+mod tape_scale;
 mod target_tilt;
 mod text_physics;
 mod tolerance;
@@ -75,7 +76,7 @@ pub(crate) mod words;
 
 pub use binding::EffectRequest;
 pub use bound::{BoundEffect, EffectError};
-pub use catalogue::{CATALOGUE, IN_MOTION, OF_EXTERNAL_POSES, every_effect, find};
+pub use catalogue::{CATALOGUE, IN_MOTION, OF_DISTANCES, OF_EXTERNAL_POSES, every_effect, find};
 pub use channels::measurements_as_modelled;
 pub(crate) use context::{
     BetterKnown, CableContext, PlatformContext, PoseContexts, RowContexts, sign, travel,
@@ -334,6 +335,8 @@ pub struct Effect {
     pub(crate) change_cable: fn(&[Dual], &CableContext, &mut CablePorts),
     /// Changes the ports of the platform; called for those of [`Scope::Robot`].
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
+    /// Factor of the distances between poses.
+    pub(crate) distance_gain: fn(&[Dual]) -> Dual,
     /// Adds the delays of readings at a time (s) since the start of a recording; for simulations only, as the prediction
     /// applies them in `change_cable` and `change_platform`.
     pub(crate) delays: fn(&[f64], f64, &mut Delays),
@@ -364,6 +367,7 @@ impl Effect {
         needs_sag: false,
         change_cable: |_, _, _| {},
         change_platform: |_, _, _| {},
+        distance_gain: |_| Dual::constant(1.0),
         delays: |_, _, _| {},
         exchange_channels: |_, _, _| {},
         as_text: AsText::Impossible(""),

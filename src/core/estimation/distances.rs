@@ -15,6 +15,7 @@ use super::home::HomeRow;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 use super::system::ColumnMap;
+use crate::effect::{BoundEffect, Dual};
 use crate::geometry::Pose;
 use crate::measurement::DistanceReading;
 use crate::real::Packet;
@@ -46,6 +47,32 @@ pub(super) struct DistanceState<'s> {
     pub huber: Option<f64>,
 }
 
+impl DistanceState<'_> {
+    /// Factor of all readings by the effects, and its derivatives by the parameters with these indices.
+    fn gain(&self) -> (f64, Vec<(usize, f64)>) {
+        let effects = &self.globals.effects;
+        let gain_of = |bound: &BoundEffect, variable: Option<usize>| {
+            let dual = |(k, value): (usize, &f64)| match variable == Some(k) {
+                true => Dual::variable(*value),
+                false => Dual::constant(*value),
+            };
+            let values: Vec<Dual> = bound.values.iter().enumerate().map(dual).collect();
+            (bound.effect.distance_gain)(&values)
+        };
+        let gain: f64 = effects.iter().map(|one| gain_of(one, None).value).product();
+        let held = self.problem.held_effects.len();
+        let slope = |(column, parameter): (usize, &Parameter)| {
+            let ParameterId::Effect { effect, parameter } = parameter.id else {
+                return None;
+            };
+            let own = gain_of(&effects[held + effect], Some(parameter));
+            (own.slope != 0.0).then(|| (column, gain / own.value * own.slope))
+        };
+        let parameters = self.parameters.iter().enumerate();
+        (gain, parameters.filter_map(slope).collect())
+    }
+}
+
 impl Distances {
     /// Evaluates the distances at poses that were eliminated last where they are now; `None` if there are none.
     pub fn evaluate<T: Packet>(state: &DistanceState<'_>, poses: &Parts<'_, T>) -> Option<Self> {
@@ -65,12 +92,21 @@ impl Distances {
             factor: DMatrix::identity(count, count).cholesky()?,
             loss: 0.0,
         };
+        let (gain, by_parameter) = state.gain();
         for (k, reading) in readings.iter().enumerate() {
             let places = reading.rows.map(order);
             let pose = |place: Option<usize>| place.map_or(state.globals.home, |p| at[p].1);
-            let (mut residual, mut by_pose) = linearised(reading, places.map(pose));
-            own.loss += weighed_down(&mut residual, &mut by_pose, state.huber);
+            let mut linear = LinearDistance::new(reading, places.map(pose), gain);
+            own.loss += linear.weigh_down(state.huber);
+            let LinearDistance {
+                mut residual,
+                by_pose,
+                by_gain,
+            } = linear;
             own.residuals[k] = residual;
+            for (parameter, slope) in &by_parameter {
+                own.design[(k, *parameter)] += by_gain * slope;
+            }
             let mut columns = vec![0.0; poses.layout().columns];
             for (place, slopes) in places.into_iter().zip(by_pose) {
                 let Some(place) = place else {
@@ -186,35 +222,46 @@ pub(super) struct DistancePull {
     pub by_parameter: DMatrix<f64>,
 }
 
-/// Whitened residual of a distance and its derivatives by the two poses (translation, rotation vector; base frame).
-fn linearised(reading: &DistanceReading, poses: [Pose; 2]) -> (f64, [[f64; 6]; 2]) {
-    let arms = poses.map(|pose| pose.orientation * Vector3::from(reading.point_m));
-    let points = [0, 1].map(|k| poses[k].position + arms[k]);
-    let between: Vector3<f64> = points[1] - points[0];
-    let distance = between.norm();
-    // Two poses at one place have no direction between them, which moves neither.
-    let along = between / (distance.max(f64::MIN_POSITIVE) * reading.sd_m);
-    let slopes = |sign: f64, arm: &Vector3<f64>| {
-        let (along, turned) = (along * sign, arm.cross(&along) * sign);
-        [along.x, along.y, along.z, turned.x, turned.y, turned.z]
-    };
-    let residual = (distance - reading.distance_m) / reading.sd_m;
-    (residual, [slopes(-1.0, &arms[0]), slopes(1.0, &arms[1])])
+/// Whitened residual of a distance and its derivatives.
+struct LinearDistance {
+    residual: f64,
+    /// By the two poses (translation, rotation vector; base frame).
+    by_pose: [[f64; 6]; 2],
+    by_gain: f64,
 }
 
-/// Weighs down a residual beyond the limit of a robust loss, and returns its loss.
-fn weighed_down(residual: &mut f64, by_pose: &mut [[f64; 6]; 2], huber: Option<f64>) -> f64 {
-    let size = residual.abs();
-    let Some(limit) = huber.filter(|limit| size > *limit) else {
-        return size * size;
-    };
-    let weight = (limit / size).sqrt();
-    *residual *= weight;
-    by_pose
-        .iter_mut()
-        .flatten()
-        .for_each(|slope| *slope *= weight);
-    limit * (2.0 * size - limit)
+impl LinearDistance {
+    fn new(reading: &DistanceReading, poses: [Pose; 2], gain: f64) -> Self {
+        let arms = poses.map(|pose| pose.orientation * Vector3::from(reading.point_m));
+        let points = [0, 1].map(|k| poses[k].position + arms[k]);
+        let between: Vector3<f64> = points[1] - points[0];
+        let distance = between.norm();
+        // Two poses at one place have no direction between them, which moves neither.
+        let along = between * (gain / (distance.max(f64::MIN_POSITIVE) * reading.sd_m));
+        let slopes = |sign: f64, arm: &Vector3<f64>| {
+            let (along, turned) = (along * sign, arm.cross(&along) * sign);
+            [along.x, along.y, along.z, turned.x, turned.y, turned.z]
+        };
+        Self {
+            residual: (gain * distance - reading.distance_m) / reading.sd_m,
+            by_pose: [slopes(-1.0, &arms[0]), slopes(1.0, &arms[1])],
+            by_gain: distance / reading.sd_m,
+        }
+    }
+
+    /// Weighs down a residual beyond the limit of a robust loss, and returns its loss.
+    fn weigh_down(&mut self, huber: Option<f64>) -> f64 {
+        let size = self.residual.abs();
+        let Some(limit) = huber.filter(|limit| size > *limit) else {
+            return size * size;
+        };
+        let weight = (limit / size).sqrt();
+        self.residual *= weight;
+        self.by_gain *= weight;
+        let slopes = self.by_pose.iter_mut().flatten();
+        slopes.for_each(|slope| *slope *= weight);
+        limit * (2.0 * size - limit)
+    }
 }
 
 /// Adds the derivatives of a distance by the estimated home pose.

@@ -205,7 +205,9 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             let mut terms = home.length_gradients[cable].iter();
             terms.any(|(k, _)| *k == parameter) && sums.concerns(layout.home_length_column(cable))
         };
-        at_poses || at_home || (0..layout.cables).any(moves_length)
+        let in_distances = |all: &Distances| all.design.column(parameter).amax() > 0.0;
+        let at_distances = self.distances.as_ref().is_some_and(in_distances);
+        at_poses || at_home || at_distances || (0..layout.cables).any(moves_length)
     }
 
     fn evaluate_home(&mut self) {

@@ -5,7 +5,7 @@ use super::super::{DrawingPattern, Verdict};
 use super::{Fit, diagnosed, found, problem_at_fitted_poses, run_of, run_with, setting};
 use crate::effect::EffectSetting;
 use crate::kinematics::equilibrium_residual;
-use crate::measurement::{Dataset, Grid};
+use crate::measurement::{Dataset, DistanceReading, Grid};
 use crate::robot::presets;
 use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
 
@@ -201,4 +201,37 @@ fn a_right_drawing_is_no_finding() {
             );
         }
     }
+}
+
+/// Distances of a tape that is 0.8 % too short, between true places. Its scale is no fault of the winches and of the laser at once,
+/// and the noise would have to be sixteen times as large to hide it.
+#[test]
+fn the_scale_of_a_tape_is_no_fault_of_winches_and_laser() {
+    let run = run_with("mini", 40, 12, &[]);
+    let mut dataset = run.dataset;
+    let places: Vec<_> = (dataset.measurements.truth.poses.iter())
+        .map(|pose| pose.position)
+        .collect();
+    let pairs = (1..places.len() - 1).map(|row| [row, row + 1]);
+    let measured = pairs.enumerate().map(|(k, rows)| {
+        let distance_m = (places[rows[1]] - places[rows[0]]).norm();
+        // Noise of half a millimetre, of alternating sign.
+        let noise_m = if k % 2 == 0 { 5e-4 } else { -5e-4 };
+        DistanceReading {
+            rows,
+            point_m: [0.0; 3],
+            distance_m: 1.008 * distance_m + noise_m,
+            sd_m: 5e-4,
+        }
+    });
+    let measured: Vec<_> = measured.filter(|one| one.distance_m > 0.15).collect();
+    dataset.measurements.distances = measured;
+    let diagnosis = diagnosed(&dataset);
+    assert_eq!(found(&diagnosis), [("tape_scale", vec![])]);
+    let scale = &diagnosis.findings[0].parameters[0];
+    assert!(
+        (scale.value - 8e-3).abs() < 4.0 * scale.sd.unwrap(),
+        "{scale:?}"
+    );
+    assert!(diagnosis.extended.adequate);
 }

@@ -194,6 +194,7 @@ fn every_effect_is_text_or_says_why_not() {
             "tracker_tilt",
             "tracker_axes",
             "tracker_moved",
+            "tape_scale",
             "tracker_latency",
             "tracker_clock",
             "encoder_latency",

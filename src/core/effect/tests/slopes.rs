@@ -67,7 +67,8 @@ fn scalars(effect: &Effect, values: &[Dual]) -> Vec<Dual> {
     let (cable, platform) = ports_after(effect, values);
     let of_cable = CablePort::ALL.iter().map(|port| cable.get(*port));
     let of_platform = PlatformPort::ALL.iter().map(|port| platform.get(*port));
-    of_cable.chain(of_platform).collect()
+    let of_distances = [(effect.distance_gain)(values)];
+    of_cable.chain(of_platform).chain(of_distances).collect()
 }
 
 #[test]
