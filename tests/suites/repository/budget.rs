@@ -10,15 +10,15 @@ use crate::layout::{root, rust_files};
 const BUDGET: [(&str, usize); 11] = [
     ("channels", 8119),
     ("cli", 7606),
-    ("core", 37986),
+    ("core", 38265),
     ("files", 133),
-    ("import", 10809),
+    ("import", 10812),
     ("link", 10451),
     ("python", 989),
-    ("session", 8093),
+    ("session", 8108),
     ("study", 3180),
-    ("workbench", 37420),
-    ("workflow", 21141),
+    ("workbench", 37443),
+    ("workflow", 21165),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
