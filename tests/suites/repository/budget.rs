@@ -17,7 +17,7 @@ const BUDGET: [(&str, usize); 11] = [
     ("python", 989),
     ("session", 8108),
     ("study", 3180),
-    ("workbench", 37443),
+    ("workbench", 37451),
     ("workflow", 21165),
 ];
 

@@ -167,7 +167,7 @@ fn all_plots_over_poses_show_the_same_poses_wherever_they_are() {
     press(&mut harness, "Plot layout");
     press(&mut harness, "Open Tensions in a window");
     // The window does not reach down to it.
-    let from = rect(&harness, "Plot: Laser").center() + vec2(0.0, 20.0);
+    let from = rect(&harness, "Plot: Distances").center() + vec2(0.0, 20.0);
     drag(&mut harness, from, from + vec2(30.0, 0.0));
     let plots = &harness.state().state.views.plots;
     let ranges = ["residuals", "tensions", "laser"].map(|tab| {

@@ -1,9 +1,14 @@
 //! The model doctor.
 
 use egui_kittest::kittest::Queryable;
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+use tautline_session::{Session, Timestamp, read_session};
 use tautline_workbench::model::command::{Command, IdentificationCommand};
+use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::AppState;
 
+use crate::demo::Bench;
 use crate::measured::{Measured, document, give, press};
 use crate::support::settle;
 
@@ -166,4 +171,40 @@ fn an_error_without_a_name_gets_a_pattern_that_extends_the_model_and_can_be_undo
     assert!(effects(&harness.state().state).is_empty());
     let robot = &document(&harness).session().robot;
     assert!(robot.hypotheses.is_empty());
+}
+
+#[test]
+fn mistakes_are_corrected_in_a_copy_and_the_session_keeps_what_was_recorded() {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let run = simulate(&robot, &SimulationOptions::new(25, 6)).expect("a run");
+    let mut session = Session::new("MINI", robot, Timestamp::from_unix_seconds(0));
+    session.measurements = run.dataset.measurements;
+    let right = session.measurements.clone();
+    for row in 0..right.len() {
+        let turns = -right.revolutions.get(row, 4);
+        session.measurements.revolutions.set(row, 4, turns);
+    }
+    let recorded = session.measurements.clone();
+    let mut bench = Bench::of_session(&session);
+    bench.go(Phase::Identification);
+    bench.press(&format!("Next: {ASK}"));
+    bench.settle("a diagnosis");
+    bench.harness.get_by_label_contains("its sign is reversed");
+    bench.press("Next: Correct a copy of the session");
+    bench.wait("the copy", |state| {
+        let open = state.model.open.as_ref();
+        open.is_some_and(|open| open.session().name == "MINI, corrected")
+    });
+    // A sign turned twice is exactly what it was.
+    assert_eq!(bench.session().measurements.revolutions, right.revolutions);
+    let file = bench.folder.path().join("session.json");
+    let kept = read_session(&file).expect("the file").value;
+    assert_eq!(kept.measurements.revolutions, recorded.revolutions);
+    bench.go(Phase::Identification);
+    bench.press("Next: Identify the pulleys");
+    bench.settle("an identification");
+    let open = bench.state().model.open.as_ref();
+    let fit = open.and_then(|open| open.current_fit()).expect("a fit");
+    // Sound readings would fit worse once in a million times.
+    assert!(fit.solution.p_value().is_some_and(|p| p > 1e-6));
 }

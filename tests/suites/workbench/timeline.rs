@@ -152,7 +152,7 @@ fn plots_side_by_side_move_together_and_are_restored() {
     assert_eq!(dragged, followed);
     press(&mut harness, "Plot layout");
     press(&mut harness, "Four plots");
-    for name in ["Plot: By variable", "Plot: Laser"] {
+    for name in ["Plot: By variable", "Plot: Distances"] {
         let below = rect(&harness, name);
         assert!(below.min.y > rect(&harness, "Plot: Residuals").max.y);
     }

@@ -141,6 +141,14 @@ fn of_model(model: &Model, open: &OpenSession) -> Remedy {
     let Some(diagnosed) = diagnosed else {
         return diagnose();
     };
+    if !diagnosed.mistakes.is_empty() {
+        let then = "Then: identify the pulleys. The present readings stay in their file.";
+        return Remedy::new(
+            "Correct a copy of the session",
+            FileCommand::OpenCorrected,
+            then,
+        );
+    }
     let undecided = findings::undecided(open, diagnosed);
     let of_findings = of_findings(model, diagnosed, &undecided);
     of_findings.unwrap_or_else(|| match open.is_model_diagnosed() {
