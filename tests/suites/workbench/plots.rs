@@ -70,7 +70,7 @@ fn open(harness: &mut Harness<'_, App>, tab: &str) {
 fn without_an_identification_the_plots_say_how_to_get_them() {
     let harness = measured();
     harness.get_by_label_contains("appear here after identification");
-    let tab = harness.get_by_role_and_label(Role::Button, "Convergence");
+    let tab = harness.get_by_role_and_label(Role::Button, "Tensions");
     assert!(tab.accesskit_node().is_disabled());
 }
 
