@@ -570,7 +570,7 @@ mod tests {
         assert!((1..10).contains(&feasible), "{feasible}");
     }
 
-    /// The equilibrium is compared with the lowest of all poses that keep the lengths of two cables, found by a scan.
+    /// The equilibrium is lower than its neighbours with the same lengths of two cables.
     #[test]
     fn a_bar_on_two_cables_comes_to_rest_at_its_lowest_pose() {
         let free = [Coordinate::X, Coordinate::Z, Coordinate::Ry];
@@ -597,7 +597,7 @@ mod tests {
             };
             let height = |pose: &Pose| pose.transform(&robot.platform.center_of_mass_m.into()).z;
             let kept = lengths(&rest);
-            // Poses with the same lengths, turned by a little: two Newton steps on x and z.
+            // Poses with the same lengths, turned by a little: Newton steps on x and z.
             for turn in [-0.02, -0.01, 0.01, 0.02] {
                 let mut near = rest.perturbed(&Twist::new(0.0, 0.0, 0.0, 0.0, turn, 0.0));
                 for _ in 0..20 {

@@ -126,8 +126,7 @@ impl<'a> InformationModel<'a> {
 
     /// The pose near it at which the platform rests; the pose itself where its cables determine that it does not move.
     pub fn resting_pose(&self, pose: Pose) -> Pose {
-        let rest = self.after_home().resting_pose(&pose);
-        rest.ok().flatten().unwrap_or(pose)
+        self.after_home().resting_pose(pose)
     }
 
     fn after_home(&self) -> AfterHome<'_> {

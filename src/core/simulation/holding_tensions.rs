@@ -144,8 +144,8 @@ pub(super) fn holding_tensions(
     let pose = visit.pose;
     let label = visit.epoch.label;
     let cables = 0..truth.cable_count();
-    let is_slack = |cable| effects.iter().any(|bound| is_slack(bound, cable, label));
-    let slack: Vec<bool> = cables.map(is_slack).collect();
+    let is_slack = |cable: &usize| effects.iter().any(|one| is_slack(one, *cable, label));
+    let slack: Vec<usize> = cables.filter(is_slack).collect();
     let mut tensions = range.tensions_in_motion(truth, pose, &visit.motion, &slack)?;
     if effects.is_empty() {
         return Ok(tensions);
@@ -168,17 +168,23 @@ pub(super) fn holding_tensions(
     Ok(tensions)
 }
 
-/// The pose near that of a visit at which the platform rests under the effects: that of the visit itself, unless the platform has
-/// fewer cables than free coordinates; `None` if there is none.
-pub(super) fn resting_pose_under_effects(
+/// Whether the weight of the platform decides where it comes to rest: it has fewer cables than free coordinates.
+fn hangs_freely(robot: &Robot) -> bool {
+    robot.has_tensions() && robot.cable_count() < robot.platform.freedom().count()
+}
+
+/// The pose near that of a visit at which the platform rests under the effects, with its tensions (N) as [`holding_tensions`]:
+/// that of the visit itself, unless the platform hangs freely; `None` if there is none.
+pub(super) fn resting_state(
     truth: &Robot,
     effects: &[BoundEffect],
     visit: &Visit<'_>,
     range: &TensionRange,
-) -> Result<Option<Pose>, KinematicsError> {
+) -> Result<Option<(Pose, Vec<f64>)>, KinematicsError> {
     let mut pose = *visit.pose;
-    if !truth.has_tensions() || truth.cable_count() >= truth.platform.freedom().count() {
-        return Ok(Some(pose));
+    if !hangs_freely(truth) {
+        let held = holding_tensions(truth, effects, visit, range)?;
+        return Ok(held.map(|tensions| (pose, tensions)));
     }
     let mut tensions = vec![range.reference_n; truth.cable_count()];
     for _ in 0..MAX_STEPS {
@@ -187,8 +193,8 @@ pub(super) fn resting_pose_under_effects(
             break;
         };
         (pose, tensions) = rest;
-        if holding_tensions(truth, effects, &visit.at(&pose), range)?.is_some() {
-            return Ok(Some(pose));
+        if let Some(held) = holding_tensions(truth, effects, &visit.at(&pose), range)? {
+            return Ok(Some((pose, held)));
         }
     }
     Ok(None)
@@ -209,11 +215,15 @@ impl AfterHome<'_> {
         })
     }
 
-    /// The pose near it at which the platform rests; as [`resting_pose_under_effects`].
-    pub fn resting_pose(&self, pose: &Pose) -> Result<Option<Pose>, KinematicsError> {
-        self.visit(pose, |visit| {
-            resting_pose_under_effects(self.robot, self.effects, visit, self.range)
-        })
+    /// The pose near it at which the platform rests, as [`resting_state`]; the pose itself if there is none.
+    pub fn resting_pose(&self, pose: Pose) -> Pose {
+        if !hangs_freely(self.robot) {
+            return pose;
+        }
+        let rest = self.visit(&pose, |visit| {
+            resting_state(self.robot, self.effects, visit, self.range)
+        });
+        rest.ok().flatten().map_or(pose, |(pose, _)| pose)
     }
 
     fn visit<T>(&self, pose: &Pose, then: impl FnOnce(&Visit<'_>) -> T) -> T {

@@ -3,9 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::holding_tensions::{
-    AfterHome, Schedule, Visit, holding_tensions, resting_pose_under_effects,
-};
+use super::holding_tensions::{AfterHome, Schedule, Visit, resting_state};
 use super::inversion::invert;
 use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
@@ -283,11 +281,7 @@ fn visit_poses(
             pose,
             motion: [Twist::zeros(); 2],
         };
-        let Some(pose) = resting_pose_under_effects(truth, effects, &visit, &range)? else {
-            return Ok(None);
-        };
-        let held = holding_tensions(truth, effects, &visit.at(&pose), &range)?;
-        Ok::<_, KinematicsError>(held.map(|tensions| (pose, tensions)))
+        resting_state(truth, effects, &visit, &range)
     };
     if let (Some(home), Some(mut nominal)) = (truth.home, robot.home) {
         let pose = home.pose();
@@ -315,14 +309,12 @@ fn visit_poses(
         let target = match &options.at {
             Some(commanded) => commanded[done],
             None => {
-                let drawn = workspace.draw(robot, rng);
                 let as_described = AfterHome {
                     robot,
                     effects: &[],
                     range: &range,
                 };
-                let rest = as_described.resting_pose(&drawn);
-                rest.ok().flatten().unwrap_or(drawn)
+                as_described.resting_pose(workspace.draw(robot, rng))
             }
         };
         let pose = displaced(robot, &target, rng);

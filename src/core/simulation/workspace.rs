@@ -208,8 +208,7 @@ impl TensionRange {
         robot: &Robot,
         pose: &Pose,
     ) -> Result<Option<Vec<f64>>, KinematicsError> {
-        let none = vec![false; robot.cable_count()];
-        self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2], &none)
+        self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2], &[])
     }
 
     /// Checks that tensions balance the platform everywhere on the straight path between two poses, turning about one axis. The
@@ -221,11 +220,10 @@ impl TensionRange {
     /// A pose on the way where there are no such tensions.
     pub fn hold_between(&self, robot: &Robot, from: &Pose, to: &Pose) -> Result<(), Pose> {
         let way = to.difference(from);
-        let none = vec![false; robot.cable_count()];
         let held = |part: f64| {
             let pose = from.perturbed(&(way * part));
             let found = self
-                .distribution(robot, &pose, &[Twist::zeros(); 2], &none)
+                .distribution(robot, &pose, &[Twist::zeros(); 2], &[])
                 .ok();
             let held = found.filter(|found| part == 0.0 || found.balances());
             held.map(|held| (part, held.tensions_n)).ok_or(pose)
@@ -259,9 +257,9 @@ impl TensionRange {
         robot: &Robot,
         pose: &Pose,
         motion: &[Twist; 2],
-        are_slack: &[bool],
+        slack: &[usize],
     ) -> Result<Option<Vec<f64>>, KinematicsError> {
-        let found = self.distribution(robot, pose, motion, are_slack)?;
+        let found = self.distribution(robot, pose, motion, slack)?;
         Ok(found.balances().then_some(found.tensions_n))
     }
 
@@ -270,7 +268,7 @@ impl TensionRange {
         robot: &Robot,
         pose: &Pose,
         motion: &[Twist; 2],
-        are_slack: &[bool],
+        slack: &[usize],
     ) -> Result<TensionDistribution, KinematicsError> {
         let structure = structure_matrix(robot, pose)?;
         let mut wrench: DVector<f64> = applied_wrench(robot, pose)?;
@@ -278,8 +276,9 @@ impl TensionRange {
             wrench -= inertial_wrench(robot, pose, motion);
         }
         let all = |value: f64| -> Vec<f64> {
-            let taut = |is_slack: &bool| if *is_slack { 0.0 } else { value };
-            are_slack.iter().map(taut).collect()
+            let mut values = vec![value; robot.cable_count()];
+            slack.iter().for_each(|cable| values[*cable] = 0.0);
+            values
         };
         Ok(distribute_tension(
             &structure,

@@ -140,9 +140,9 @@ fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
 
 /// Saves the open session and opens a copy without the mistakes in its readings.
 fn open_corrected(model: &mut Model) {
-    let diagnosed = |open: &OpenSession| Some((open.diagnosis()?.clone(), open.session().clone()));
-    if let Some((diagnosed, session)) = model.open.as_ref().and_then(diagnosed) {
-        let copy = diagnosed.corrected_copy(&session, clock::now());
+    let now = clock::now();
+    let copy = |open: &OpenSession| Some(open.diagnosis()?.corrected_copy(open.session(), now));
+    if let Some(copy) = model.open.as_ref().and_then(copy) {
         go_to(model, copy, None, Origin::Series);
     }
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::kind::PlotKind;
 use super::sources::{
-    before_after, convergence, correlation, course, elongation, external, laser, residuals,
+    before_after, convergence, correlation, course, distances, elongation, external, residuals,
     tensions, variable,
 };
 use super::{scope, statistics};
@@ -13,7 +13,7 @@ use super::{scope, statistics};
 pub(crate) static PLOTS: [&PlotKind; 12] = [
     &residuals::PLOT,
     &variable::PLOT,
-    &laser::PLOT,
+    &distances::PLOT,
     &tensions::PLOT,
     &external::PLOT,
     &convergence::PLOT,

@@ -329,7 +329,9 @@ mod tests {
         panes.apply(DockRequest::Arrange(Preset::Four));
         assert_eq!(panes.rows(), 2);
         panes.apply(DockRequest::Arrange(Preset::Two));
-        panes.apply(DockRequest::Detach(PlotId::first(&sources::laser::PLOT)));
+        panes.apply(DockRequest::Detach(PlotId::first(
+            &sources::distances::PLOT,
+        )));
         let kept = panes.changed().expect("it has changed");
         assert_eq!(kept.detached, ["laser"]);
         let mut restored = Panes::of(&kept);
@@ -340,7 +342,7 @@ mod tests {
             ..variable
         };
         assert!(restored.plots.contains_key(&copy));
-        restored.dock(PlotId::first(&sources::laser::PLOT));
+        restored.dock(PlotId::first(&sources::distances::PLOT));
         restored.apply(DockRequest::Close(copy));
         assert!(!restored.plots.contains_key(&copy) && restored.detached.is_empty());
     }

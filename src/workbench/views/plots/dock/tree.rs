@@ -17,7 +17,7 @@ static FIRST: [&PlotKind; 4] = [
     &sources::residuals::PLOT,
     &sources::tensions::PLOT,
     &sources::variable::PLOT,
-    &sources::laser::PLOT,
+    &sources::distances::PLOT,
 ];
 
 /// Preset arrangement.
