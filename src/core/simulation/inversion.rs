@@ -5,8 +5,8 @@ use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, 
 use crate::geometry::{Pose, Twist};
 use crate::measurement::{Dataset, Grid};
 
-/// Smallest and largest number of fixed-point steps that invert the models of winch, force sensor and laser.
-const INVERSION_STEPS: [usize; 2] = [12, 300];
+/// Largest number of fixed-point steps that invert the models of winch, force sensor and laser.
+const MAX_STEPS: usize = 300;
 /// Largest change of a reading at convergence (m, N, rad).
 const READING_TOLERANCE: f64 = 1e-13;
 
@@ -17,18 +17,18 @@ pub(super) fn invert(
     (poses, tensions): (&[Pose], &Grid),
     directions: &Grid,
 ) -> Result<(), EstimationError> {
-    invert_within(INVERSION_STEPS, exact, (poses, tensions), directions)
+    invert_within(MAX_STEPS, exact, (poses, tensions), directions)
 }
 
-/// [`invert`] with other numbers of steps.
+/// [`invert`] with another largest number of steps.
 pub(super) fn invert_within(
-    [least, most]: [usize; 2],
+    most: usize,
     exact: &mut Dataset,
     (poses, tensions): (&[Pose], &Grid),
     directions: &Grid,
 ) -> Result<(), EstimationError> {
     let rows: Vec<usize> = (0..poses.len()).collect();
-    for step in 0..most {
+    for _ in 0..most {
         let residuals = {
             let problem = Problem::new(exact)?.with_method(Method::Simple);
             let (robot, data) = (&exact.robot, &exact.measurements);
@@ -48,7 +48,7 @@ pub(super) fn invert_within(
             let changes = correct(exact, row, residual, tensions, Some(row) == home);
             largest = largest.max(changes);
         }
-        if step + 1 >= least && largest < READING_TOLERANCE {
+        if largest < READING_TOLERANCE {
             break;
         }
     }

@@ -13,8 +13,8 @@ use crate::kinematics::inverse_kinematics;
 use crate::measurement::{Dataset, Grid, Measurements, Truth};
 use crate::robot::Robot;
 
-/// Numbers of inversion steps for planning, where the last digits do not matter.
-const PLANNING_STEPS: [usize; 2] = [2, 30];
+/// Largest number of inversion steps for planning, where the last digits do not matter.
+const PLANNING_STEPS: usize = 30;
 
 pub(super) fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     sd * rng.sample::<f64, _>(StandardNormal)

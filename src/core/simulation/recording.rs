@@ -16,8 +16,8 @@ use crate::kinematics::structure_matrix;
 use crate::measurement::{Dataset, Grid, Measurements, Rates};
 use crate::robot::Robot;
 
-/// Numbers of inversion steps: a nanometre suffices for readings that are noisy and late.
-const STEPS: [usize; 2] = [2, 40];
+/// Largest number of inversion steps: a nanometre suffices for readings that are noisy and late.
+const MAX_STEPS: usize = 40;
 /// Factor by which a motion is reduced until the cables can hold the platform everywhere, and the number of attempts.
 const SMALLER: f64 = 0.85;
 const TRIES: usize = 12;
@@ -170,7 +170,7 @@ impl Moving<'_> {
             });
         }
         let directions = true_directions(self.truth, &poses)?;
-        invert_within(STEPS, &mut exact, (&poses, &tensions), &directions)?;
+        invert_within(MAX_STEPS, &mut exact, (&poses, &tensions), &directions)?;
         exact.measurements.rates = None;
         Ok(Some(exact.measurements))
     }

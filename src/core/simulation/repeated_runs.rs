@@ -317,7 +317,7 @@ mod tests {
             };
             let directions = Grid::missing(truth.poses.len(), run.truth.cable_count());
             invert_within(
-                [12, 12],
+                12,
                 &mut exact,
                 (&truth.poses, &truth.tension_n),
                 &directions,
