@@ -1,7 +1,7 @@
 //! Sets of causes, and whether their values are possible.
 
 use super::fit::Fit;
-use super::priors::{FRAME_OF_TYPICAL_LENGTHS, IMPOSSIBLE_FACTOR};
+use super::priors::IMPOSSIBLE_FACTOR;
 use super::report::{Cause, CauseSet};
 use crate::robot::Robot;
 use crate::statistics::log_sum;
@@ -37,14 +37,11 @@ pub(super) fn is_physically_possible(fit: &Fit<'_>) -> bool {
 
 /// Whether all parameter values of a cause are physically possible.
 pub(super) fn has_possible_values(cause: &Cause, robot: &Robot) -> bool {
-    let frame_m = robot.frame_size_m().unwrap_or(0.0);
-    let growth = (frame_m / FRAME_OF_TYPICAL_LENGTHS).max(1.0);
     let bounds = cause.instances.iter();
     let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
     values.all(|(value, p)| {
         let [_, largest] = p.typical_sizes();
-        let growth = if p.unit == "m" { growth } else { 1.0 };
-        let limit = IMPOSSIBLE_FACTOR * growth * largest.max(p.prior_sd);
+        let limit = IMPOSSIBLE_FACTOR * p.growth_in(robot) * largest.max(p.prior_sd);
         let sized = p.discrete || (value - p.neutral).abs() < limit;
         sized && *value >= p.bounds[0] && *value <= p.bounds[1]
     })

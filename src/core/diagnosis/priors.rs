@@ -44,8 +44,6 @@ pub(super) const SCALE_RATIO: f64 = 4.0;
 pub(super) const RELATIVE_SD: f64 = 0.5;
 /// Sizes from this multiple of the largest typical size on are taken as impossible.
 pub(super) const IMPOSSIBLE_FACTOR: f64 = 10.0;
-/// Frame (m) up to which typical lengths hold: in larger ones, what is possible grows in proportion.
-pub(super) const FRAME_OF_TYPICAL_LENGTHS: f64 = 10.0;
 
 // Tolerances.
 /// Factors of the tolerances that are compared. Parts that deviate by less than the smallest are exact; tolerances that

@@ -100,6 +100,7 @@ pub use tolerance::{MachineClass, TypicalTolerance};
 pub(crate) use typical_size::amplitude_of;
 
 use crate::measurement::{Measurements, Variable};
+use crate::robot::Robot;
 
 /// Possible targets of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,6 +126,9 @@ pub enum Stage {
     Addition,
 }
 
+/// Size of the frame (m) up to which the stated lengths are usual.
+const FRAME_OF_USUAL_LENGTHS: f64 = 10.0;
+
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct EffectParameter {
@@ -132,7 +136,7 @@ pub struct EffectParameter {
     pub name: &'static str,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
-    /// Standard deviation of the prior, which is centred at `neutral`.
+    /// Standard deviation of the prior, which is centred at `neutral`; in a large frame more, see `growth_in`.
     pub prior_sd: f64,
     /// Range of sizes typical in practice.
     pub typical: [f64; 2],
@@ -196,6 +200,14 @@ impl EffectParameter {
     pub fn typical_sizes(&self) -> [f64; 2] {
         let [a, b] = self.typical.map(f64::abs);
         [a.min(b), a.max(b)]
+    }
+
+    /// Factor of what is usual, as of the standard deviation of the prior, on a robot: lengths grow in proportion to a large frame.
+    pub(crate) fn growth_in(&self, robot: &Robot) -> f64 {
+        match self.unit {
+            "m" => (robot.frame_size_m().unwrap_or(0.0) / FRAME_OF_USUAL_LENGTHS).max(1.0),
+            _ => 1.0,
+        }
     }
 
     /// Sets another neutral value, which becomes the start value as well.
