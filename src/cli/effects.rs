@@ -222,6 +222,7 @@ fn tried(effect: &EffectDocument) -> &'static str {
         EffectSearch::AnyPhaseAndPeriod => "at any phase and period",
         EffectSearch::FromEveryPose => "from every pose on",
         EffectSearch::AtEveryPose => "at every pose",
+        EffectSearch::AtEveryDistance => "at every distance",
         EffectSearch::HugeResiduals => "if residuals are huge",
     }
 }

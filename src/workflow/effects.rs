@@ -66,6 +66,8 @@ pub enum EffectSearch {
     FromEveryPose,
     /// As an event at each single pose.
     AtEveryPose,
+    /// As an error of each single distance between poses.
+    AtEveryDistance,
     /// Only if residuals are huge.
     HugeResiduals,
 }
@@ -122,6 +124,7 @@ impl EffectDocument {
                 Search::Wave { .. } => EffectSearch::AnyPhaseAndPeriod,
                 Search::FromPose(_) => EffectSearch::FromEveryPose,
                 Search::AtPose(_) => EffectSearch::AtEveryPose,
+                Search::AtDistance(_) => EffectSearch::AtEveryDistance,
                 Search::Exchange => EffectSearch::HugeResiduals,
             },
             in_motion: effect.is_in_motion(),

@@ -124,13 +124,13 @@ impl Candidate {
                         bound.values[period] = self.place;
                     }
                 }
-                search => {
+                _ => {
                     for k in bound.effect.estimable() {
                         let parameter = &bound.effect.parameters()[k];
                         bound.values[k] = parameter.neutral + distance(parameter, next());
                     }
-                    if let Search::FromPose(pose) | Search::AtPose(pose) = search {
-                        bound.values[pose] = self.place;
+                    if let Some(k) = place_parameter(bound.effect) {
+                        bound.values[k] = self.place;
                     }
                 }
             }

@@ -261,6 +261,7 @@ impl Builder<'_> {
             } => self.add_periods(cause, (phase, period), expected),
             Search::FromPose(pose) => self.add_event(cause, pose, PoseWeights::From, expected),
             Search::AtPose(pose) => self.add_event(cause, pose, PoseWeights::At, expected),
+            Search::AtDistance(index) => self.add_distances(cause, index, expected),
         }
     }
 
@@ -272,8 +273,9 @@ impl Builder<'_> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
             let mut probe = bound.clone();
-            for (value, p) in probe.values.iter_mut().zip(probe.effect.parameters()) {
-                *value = p.neutral + probe_offset(p);
+            for k in probe.effect.estimable() {
+                let parameter = &probe.effect.parameters()[k];
+                probe.values[k] = parameter.neutral + probe_offset(parameter);
             }
             for k in probe.effect.estimable() {
                 let generator = self.generator(&probe, k);
@@ -367,6 +369,20 @@ impl Builder<'_> {
             });
             let label = self.labels[place] as f64;
             self.push(cause, columns.collect(), (label, count), expected);
+        }
+    }
+
+    /// Adds a candidate for each distance. Poses that two distances share couple them, so that each has a column of its own.
+    fn add_distances(&mut self, cause: &Cause, index: usize, expected: f64) {
+        let distances = &self.fit.problem.dataset.measurements.distances;
+        for distance in distances {
+            let row = distance.number as f64;
+            let mut of_one = cause.clone();
+            for bound in &mut of_one.instances {
+                bound.values[index] = row;
+            }
+            let columns = self.columns(&of_one, |_| PoseWeights::Everywhere);
+            self.push(cause, columns, (row, distances.len()), expected);
         }
     }
 

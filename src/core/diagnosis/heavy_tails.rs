@@ -38,7 +38,10 @@ impl WrongReading {
 /// For each cause of an inference the odds that heavy tails explain it; 0 for causes other than single wrong readings.
 pub(super) fn odds_of_heavy_tails(inference: &Inference<'_>) -> Vec<f64> {
     let causes = &inference.fit.causes;
-    let is_wrong_reading = |cause: &Cause| matches!(cause.effect().search(), Search::AtPose(_));
+    let is_wrong_reading = |cause: &Cause| {
+        let search = cause.effect().search();
+        matches!(search, Search::AtPose(_) | Search::AtDistance(_))
+    };
     if !causes.iter().any(is_wrong_reading) {
         return vec![0.0; causes.len()];
     }
@@ -67,10 +70,10 @@ fn wrong_reading(
     sds: &[Option<f64>],
 ) -> Option<WrongReading> {
     let bound = &inference.fit.causes[cause].instances[0];
-    let Search::AtPose(pose) = bound.effect.search() else {
+    let (Search::AtPose(place) | Search::AtDistance(place)) = bound.effect.search() else {
         return None;
     };
-    let of_errors = (0..bound.values.len()).filter(|k| *k != pose);
+    let of_errors = (0..bound.values.len()).filter(|k| *k != place);
     let determined = of_errors
         .zip(sds)
         .enumerate()

@@ -4,11 +4,12 @@ use super::calibration::DISTINCT_PERIODS;
 use super::report::Cause;
 use crate::effect::{BoundEffect, Effect, Search};
 
-/// Index of the parameter that places an effect: the pose of an event, or the period of a wave.
+/// Index of the parameter that places an effect: the pose of an event, the row of a distance, or the period of a wave.
 pub(super) fn place_parameter(effect: &Effect) -> Option<usize> {
     match effect.search() {
         Search::FromPose(k)
         | Search::AtPose(k)
+        | Search::AtDistance(k)
         | Search::Wave {
             period: Some(k), ..
         } => Some(k),
@@ -16,7 +17,7 @@ pub(super) fn place_parameter(effect: &Effect) -> Option<usize> {
     }
 }
 
-/// Label of the pose of an event, or period of a wave (m); NaN for other effects.
+/// Label of the pose of an event, row of a distance, or period of a wave (m); NaN for other effects.
 pub(super) fn place_of(bound: &BoundEffect) -> f64 {
     place_parameter(bound.effect).map_or(f64::NAN, |k| bound.values[k])
 }
@@ -29,7 +30,7 @@ pub(super) fn is_same_place(effect: &Effect, one: f64, other: f64, most_steps: f
             period: Some(_), ..
         } => (one / other).max(other / one) < DISTINCT_PERIODS,
         Search::FromPose(_) => (one - other).abs() <= most_steps,
-        Search::AtPose(_) => one == other,
+        Search::AtPose(_) | Search::AtDistance(_) => one == other,
         _ => true,
     }
 }

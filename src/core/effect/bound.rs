@@ -2,6 +2,7 @@
 
 use super::{
     CablePorts, Dual, Effect, EffectSetting, PlatformPorts, PoseContexts, RowContexts, Scope,
+    Search,
 };
 use crate::measurement::Measurements;
 use crate::robot::{Cable, Robot};
@@ -78,6 +79,14 @@ pub enum EffectError {
         /// Label that was given.
         pose: String,
     },
+    /// There is no distance between poses in this row.
+    #[error("effect \"{effect}\": there is no distance in row {row} of the distances")]
+    NoSuchDistance {
+        /// Effect concerned.
+        effect: String,
+        /// Row that was given.
+        row: String,
+    },
 }
 
 /// An effect attached to cables, with parameter values.
@@ -134,11 +143,22 @@ impl BoundEffect {
             && self.targeted == other.targeted
     }
 
-    /// Checks that every pose the effect refers to is in `data`.
+    /// Checks that the pose or the distance that the effect refers to is in `data`.
     ///
     /// # Errors
-    /// If it refers to a pose that is not there.
+    /// If it is not there.
     pub fn check_poses(&self, data: &Measurements) -> Result<(), EffectError> {
+        if let Search::AtDistance(index) = self.effect.search() {
+            let row = self.values[index];
+            let is_there = data.distances.iter().any(|one| one.number as f64 == row);
+            return match is_there {
+                true => Ok(()),
+                false => Err(EffectError::NoSuchDistance {
+                    effect: self.effect.id().to_owned(),
+                    row: row.to_string(),
+                }),
+            };
+        }
         let Some(index) = self.effect.pose_parameter() else {
             return Ok(());
         };

@@ -7,9 +7,9 @@ use super::{
     heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
     laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
     pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, slack_cable, swivel_offset,
-    tape_scale, target_tilt, tracker_axes, tracker_clock, tracker_frame, tracker_latency,
-    tracker_moved, tracker_outlier, tracker_scale, tracker_target, tracker_tilt, winch_backlash,
-    winch_offset, winch_scale, winch_scale_common,
+    tape_outlier, tape_scale, target_tilt, tracker_axes, tracker_clock, tracker_frame,
+    tracker_latency, tracker_moved, tracker_outlier, tracker_scale, tracker_target, tracker_tilt,
+    winch_backlash, winch_offset, winch_scale, winch_scale_common,
 };
 
 /// All effects that poses at rest can reveal, in the order in which reports list them.
@@ -75,7 +75,7 @@ pub static OF_EXTERNAL_POSES: &[&Effect] = &[
 ];
 
 /// All effects that only distances between poses reveal; a separate list for the same reason.
-pub static OF_DISTANCES: &[&Effect] = &[&tape_scale::EFFECT];
+pub static OF_DISTANCES: &[&Effect] = &[&tape_scale::EFFECT, &tape_outlier::EFFECT];
 
 /// All effects at whose poses readings do not obey the model. A diagnosis compares the poses with and without these readings, so
 /// that no search has them as candidates.

@@ -13,7 +13,7 @@ pub struct Dual {
 
 impl Dual {
     /// A constant.
-    pub fn constant(value: f64) -> Self {
+    pub const fn constant(value: f64) -> Self {
         Self { value, slope: 0.0 }
     }
 

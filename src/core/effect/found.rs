@@ -86,7 +86,7 @@ impl<'a> FoundEffect<'a> {
     /// - `{0:more|less}`: the first for a value of parameter 0 that is not negative, the second for one below 0;
     /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:ms}`, `{0:N}`, `{0:unit}`: size of parameter 0 in millimetres, percent,
     ///   degrees, milliseconds, newtons, its own unit;
-    /// - `{0:pose}`: the pose of which parameter 0 is the label;
+    /// - `{0:pose}`: the pose of which parameter 0 is the label; `{0:row}`: the row with this number;
     /// - `{scale}`, `{scale:%}`: the parameter of this name, in the form that suits its unit or in a given one;
     /// - `{displacement}`: the first three parameters as a displacement;
     /// - `{revolutions:a|b}`: the first where winches count revolutions, the second where lengths are read.
@@ -155,7 +155,7 @@ impl<'a> FoundEffect<'a> {
                     "N" => newtons(value),
                     "deg" => degrees(value),
                     "unit" => self.with_its_unit(index),
-                    "pose" => format!("pose {value:.0}"),
+                    "pose" | "row" => format!("{form} {value:.0}"),
                     _ => either(form, value >= 0.0),
                 }
             }

@@ -54,6 +54,7 @@ mod pulley_radius;
 mod setting;
 mod slack_cable;
 mod swivel_offset;
+mod tape_outlier;
 mod tape_scale;
 mod target_tilt;
 mod text_physics;
@@ -92,7 +93,7 @@ pub use hypothesis::{
 };
 pub(crate) use motion::inertia;
 pub use part_deviation::{PartDeviation, part_deviations};
-pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
+pub(crate) use ports::{CablePort, CablePorts, DistancePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub(crate) use slack_cable::is_slack;
 pub(crate) use text_physics::TextPhysics;
@@ -282,6 +283,8 @@ pub enum Search {
     FromPose(usize),
     /// At each single pose: the parameter is its label.
     AtPose(usize),
+    /// At each single distance between poses: the parameter is its row.
+    AtDistance(usize),
     /// By exchanging the channels of every pair of cables.
     Exchange,
 }
@@ -347,8 +350,8 @@ pub struct Effect {
     pub(crate) change_cable: fn(&[Dual], &CableContext, &mut CablePorts),
     /// Changes the ports of the platform; called for those of [`Scope::Robot`].
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
-    /// Factor of the distances between poses.
-    pub(crate) distance_gain: fn(&[Dual]) -> Dual,
+    /// Changes the ports of the distance between poses in a row, counted from 1.
+    pub(crate) change_distance: fn(&[Dual], usize, &mut DistancePorts),
     /// Adds the delays of readings at a time (s) since the start of a recording; for simulations only, as the prediction
     /// applies them in `change_cable` and `change_platform`.
     pub(crate) delays: fn(&[f64], f64, &mut Delays),
@@ -379,7 +382,7 @@ impl Effect {
         needs_sag: false,
         change_cable: |_, _, _| {},
         change_platform: |_, _, _| {},
-        distance_gain: |_| Dual::constant(1.0),
+        change_distance: |_, _, _| {},
         delays: |_, _, _| {},
         exchange_channels: |_, _, _| {},
         as_text: AsText::Impossible(""),
@@ -451,7 +454,7 @@ impl Effect {
     pub fn pose_parameter(&self) -> Option<usize> {
         match self.search {
             Search::FromPose(index) | Search::AtPose(index) => Some(index),
-            Search::Direct | Search::Wave { .. } | Search::Exchange => None,
+            Search::Direct | Search::Wave { .. } | Search::AtDistance(_) | Search::Exchange => None,
         }
     }
 
@@ -490,9 +493,11 @@ impl Effect {
         let is_smooth = |p: &EffectParameter| p.discrete || p.start == p.neutral;
         let lasts = match self.search {
             Search::Direct | Search::Wave { period: None, .. } => true,
-            Search::Wave { .. } | Search::FromPose(_) | Search::AtPose(_) | Search::Exchange => {
-                false
-            }
+            Search::Wave { .. }
+            | Search::FromPose(_)
+            | Search::AtPose(_)
+            | Search::AtDistance(_)
+            | Search::Exchange => false,
         };
         lasts && self.is_estimable() && self.parameters.iter().all(is_smooth)
     }

@@ -61,6 +61,21 @@ pub struct PlatformPorts<T = Dual> {
     pub tracker_turn: [T; 3],
 }
 
+/// The reading of a distance between poses: `gain` times the distance plus `shift` (m).
+#[derive(Debug, Clone, Copy)]
+pub struct DistancePorts {
+    pub gain: Dual,
+    pub shift: Dual,
+}
+
+impl DistancePorts {
+    /// The true distance.
+    pub const NOMINAL: Self = Self {
+        gain: Dual::constant(1.0),
+        shift: Dual::constant(0.0),
+    };
+}
+
 /// Identifies a scalar of [`CablePorts`]; vectors by component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CablePort {

@@ -1,6 +1,6 @@
 //! Scale of the distances between poses: each is read times `1 + scale`. Typical 0.05 to 1 %.
 
-use super::{AsText, Dual, Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tape_scale",
@@ -13,7 +13,7 @@ pub(super) static EFFECT: Effect = Effect {
     },
     check: Some("Measure one of the distances with another tape."),
     source: "Scale error of distance meters",
-    distance_gain: |parameters| parameters[0] + Dual::constant(1.0),
+    change_distance: |parameters, _, ports| ports.gain = ports.gain * (parameters[0] + 1.0),
     as_text: AsText::Impossible(
         "multiplies distances between poses, while formulas change readings of one pose",
     ),

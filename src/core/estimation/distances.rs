@@ -15,7 +15,7 @@ use super::home::HomeRow;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 use super::system::ColumnMap;
-use crate::effect::{BoundEffect, Dual};
+use crate::effect::{DistancePorts, Dual};
 use crate::geometry::Pose;
 use crate::measurement::DistanceReading;
 use crate::real::Packet;
@@ -48,28 +48,33 @@ pub(super) struct DistanceState<'s> {
 }
 
 impl DistanceState<'_> {
-    /// Factor of all readings by the effects, and its derivatives by the parameters with these indices.
-    fn gain(&self) -> (f64, Vec<(usize, f64)>) {
-        let effects = &self.globals.effects;
-        let gain_of = |bound: &BoundEffect, variable: Option<usize>| {
-            let dual = |(k, value): (usize, &f64)| match variable == Some(k) {
+    /// The ports of the distance in this row, with the derivative by one parameter of one of the effects, if any.
+    fn ports(&self, row: usize, by: Option<(usize, usize)>) -> DistancePorts {
+        let mut ports = DistancePorts::NOMINAL;
+        for (effect, bound) in self.globals.effects.iter().enumerate() {
+            let dual = |(k, value): (usize, &f64)| match by == Some((effect, k)) {
                 true => Dual::variable(*value),
                 false => Dual::constant(*value),
             };
             let values: Vec<Dual> = bound.values.iter().enumerate().map(dual).collect();
-            (bound.effect.distance_gain)(&values)
-        };
-        let gain: f64 = effects.iter().map(|one| gain_of(one, None).value).product();
+            (bound.effect.change_distance)(&values, row, &mut ports);
+        }
+        ports
+    }
+
+    /// Derivatives of the ports of a distance by the parameters, by their index, where they are not zero.
+    fn slopes(&self, row: usize) -> Vec<(usize, DistancePorts)> {
         let held = self.problem.held_effects.len();
         let slope = |(column, parameter): (usize, &Parameter)| {
             let ParameterId::Effect { effect, parameter } = parameter.id else {
                 return None;
             };
-            let own = gain_of(&effects[held + effect], Some(parameter));
-            (own.slope != 0.0).then(|| (column, gain / own.value * own.slope))
+            let ports = self.ports(row, Some((held + effect, parameter)));
+            let acts = ports.gain.slope != 0.0 || ports.shift.slope != 0.0;
+            acts.then_some((column, ports))
         };
         let parameters = self.parameters.iter().enumerate();
-        (gain, parameters.filter_map(slope).collect())
+        parameters.filter_map(slope).collect()
     }
 }
 
@@ -92,20 +97,22 @@ impl Distances {
             factor: DMatrix::identity(count, count).cholesky()?,
             loss: 0.0,
         };
-        let (gain, by_parameter) = state.gain();
         for (k, reading) in readings.iter().enumerate() {
             let places = reading.rows.map(order);
             let pose = |place: Option<usize>| place.map_or(state.globals.home, |p| at[p].1);
-            let mut linear = LinearDistance::new(reading, places.map(pose), gain);
+            let ports = state.ports(reading.number, None);
+            let mut linear = LinearDistance::new(reading, places.map(pose), &ports);
             own.loss += linear.weigh_down(state.huber);
             let LinearDistance {
                 mut residual,
                 by_pose,
                 by_gain,
+                by_shift,
             } = linear;
             own.residuals[k] = residual;
-            for (parameter, slope) in &by_parameter {
-                own.design[(k, *parameter)] += by_gain * slope;
+            for (parameter, ports) in state.slopes(reading.number) {
+                own.design[(k, parameter)] +=
+                    by_gain * ports.gain.slope + by_shift * ports.shift.slope;
             }
             let mut columns = vec![0.0; poses.layout().columns];
             for (place, slopes) in places.into_iter().zip(by_pose) {
@@ -228,10 +235,12 @@ struct LinearDistance {
     /// By the two poses (translation, rotation vector; base frame).
     by_pose: [[f64; 6]; 2],
     by_gain: f64,
+    by_shift: f64,
 }
 
 impl LinearDistance {
-    fn new(reading: &DistanceReading, poses: [Pose; 2], gain: f64) -> Self {
+    fn new(reading: &DistanceReading, poses: [Pose; 2], ports: &DistancePorts) -> Self {
+        let (gain, shift) = (ports.gain.value, ports.shift.value);
         let arms = poses.map(|pose| pose.orientation * Vector3::from(reading.point_m));
         let points = [0, 1].map(|k| poses[k].position + arms[k]);
         let between: Vector3<f64> = points[1] - points[0];
@@ -243,9 +252,10 @@ impl LinearDistance {
             [along.x, along.y, along.z, turned.x, turned.y, turned.z]
         };
         Self {
-            residual: (gain * distance - reading.distance_m) / reading.sd_m,
+            residual: (gain * distance + shift - reading.distance_m) / reading.sd_m,
             by_pose: [slopes(-1.0, &arms[0]), slopes(1.0, &arms[1])],
             by_gain: distance / reading.sd_m,
+            by_shift: reading.sd_m.recip(),
         }
     }
 
@@ -258,6 +268,7 @@ impl LinearDistance {
         let weight = (limit / size).sqrt();
         self.residual *= weight;
         self.by_gain *= weight;
+        self.by_shift *= weight;
         let slopes = self.by_pose.iter_mut().flatten();
         slopes.for_each(|slope| *slope *= weight);
         limit * (2.0 * size - limit)

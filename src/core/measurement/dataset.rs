@@ -303,8 +303,11 @@ impl Measurements {
         self.travel = Grid::default();
         let (before, added) = (self.len(), other.len());
         let join = Join { before, added };
-        let distances = other.distances_of(|row| Some(before + row));
-        self.distances.extend(distances);
+        let listed = self.distances.len();
+        for mut distance in other.distances_of(|row| Some(before + row)) {
+            distance.number += listed;
+            self.distances.push(distance);
+        }
         if other.truth.poses.is_empty() || (self.truth.poses.is_empty() && before > 0) {
             self.truth.poses.clear();
         } else {

@@ -3,6 +3,8 @@
 /// Distance between the places of one point of the platform at two poses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DistanceReading {
+    /// Its row in the list of distances, from 1.
+    pub number: usize,
     /// Rows of the two poses in the measurements.
     pub rows: [usize; 2],
     /// The point (m, platform frame).

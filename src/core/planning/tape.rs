@@ -36,6 +36,7 @@ pub(super) fn candidates(poses: &[Pose]) -> Vec<DistanceReading> {
         longest.extend(poses[..row].iter().enumerate().map(|(other, from)| {
             let between: Vector3<f64> = pose.position - from.position;
             DistanceReading {
+                number: 1,
                 rows: [other, row],
                 point_m: [0.0; 3],
                 distance_m: between.norm(),

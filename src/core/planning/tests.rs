@@ -213,6 +213,7 @@ fn distances_of_a_tape_gain_what_is_promised() {
         let places = distance.between.map(place_of);
         assert!(((places[1] - places[0]).norm() - distance.distance_m).abs() < 1e-9);
         dataset.measurements.distances.push(DistanceReading {
+            number: 1,
             rows,
             point_m: [0.0; 3],
             distance_m: distance.distance_m,

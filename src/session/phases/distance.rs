@@ -100,16 +100,17 @@ pub(crate) fn distance_readings(
     measurements: &Measurements,
 ) -> Vec<DistanceReading> {
     let row = |label: i64| measurements.labels.iter().position(|own| *own == label);
-    let reading = |one: &PoseDistance| {
+    let reading = |(k, one): (usize, &PoseDistance)| {
         let [Some(a), Some(b)] = one.poses.map(row) else {
             return None;
         };
         Some(DistanceReading {
+            number: k + 1,
             rows: [a, b],
             point_m: one.point_m,
             distance_m: one.distance_m,
             sd_m: one.sd_m,
         })
     };
-    distances.iter().filter_map(reading).collect()
+    distances.iter().enumerate().filter_map(reading).collect()
 }

@@ -79,6 +79,7 @@ fn event(cause: &Cause) -> Option<String> {
     match cause.effect().search() {
         Search::FromPose(index) => Some(format!("from pose {}", value(index))),
         Search::AtPose(index) => Some(format!("pose {}", value(index))),
+        Search::AtDistance(index) => Some(format!("row {}", value(index))),
         Search::Direct | Search::Wave { .. } | Search::Exchange => None,
     }
 }

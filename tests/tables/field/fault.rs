@@ -5,7 +5,7 @@ use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::measurement::{Dataset, Measurements};
 
 use super::answer::Right;
-use super::machine::wind;
+use super::machine::{DISTANCES, tape, wind};
 use crate::tables::simulated::random_sign;
 
 /// What happened.
@@ -61,10 +61,16 @@ pub enum Fault {
     OtherDrums,
     /// The rows are there twice.
     RowsTwice,
+    /// Nothing, and distances were measured.
+    Distances,
+    /// The tape is up to 1 % too long or too short.
+    TapeScale,
+    /// One distance was misread by up to 50 mm.
+    Misread,
 }
 
 /// All of them with their names in the table.
-pub const FAULTS: [(Fault, &str); 25] = [
+pub const FAULTS: [(Fault, &str); 28] = [
     (Fault::None, "nothing"),
     (Fault::Scale, "scale of a winch"),
     (Fault::Offset, "offset of a cable"),
@@ -90,6 +96,9 @@ pub const FAULTS: [(Fault, &str); 25] = [
     (Fault::OnePulley, "place of one pulley"),
     (Fault::OtherDrums, "drums of another machine"),
     (Fault::RowsTwice, "rows twice"),
+    (Fault::Distances, "nothing, with distances"),
+    (Fault::TapeScale, "scale of the tape"),
+    (Fault::Misread, "distance misread"),
 ];
 
 /// Where and when a fault acts.
@@ -278,6 +287,23 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
             again = again.select(&(first..again.len()).collect::<Vec<_>>());
             dataset.measurements.append(again);
             Some(Right::Nothing)
+        }
+        Fault::Distances => {
+            tape(dataset, rng, |_, distance_m| distance_m);
+            Some(Right::Nothing)
+        }
+        Fault::TapeScale => {
+            let factor = 1.0 + sign * rng.random_range(0.003..0.01);
+            tape(dataset, rng, |_, distance_m| factor * distance_m);
+            Some(Right::Causes(vec![("tape_scale", vec![])]))
+        }
+        Fault::Misread => {
+            let wrong = rng.random_range(1..=DISTANCES);
+            let by_m = sign * rng.random_range(0.01..0.05);
+            tape(dataset, rng, |number, distance_m| {
+                distance_m + if number == wrong { by_m } else { 0.0 }
+            });
+            Some(Right::Causes(vec![("tape_outlier", vec![])]))
         }
         Fault::Slack | Fault::Extension | Fault::LostTurns | Fault::OtherDrums => None,
         _ => measure(fault, dataset, &place, rng),

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use tautline_core::geometry::{Coordinate, Pose};
-use tautline_core::measurement::{Dataset, Grid, Measurements};
+use tautline_core::measurement::{Dataset, DistanceReading, Grid, Measurements};
 use tautline_core::robot::{
     Cable, CableMaterial, PartTolerances, PerAxis, Platform, Pulley, Robot, Tracker, Winch,
 };
@@ -16,6 +16,9 @@ use crate::tables::hidden::robots::{TestRobot, robots};
 const LENGTHS_SD_M: [f64; 2] = [2e-4, 5e-4];
 const INSTRUMENT_SD_M: [f64; 2] = [5e-4, 1e-3];
 const PLACES_SD_M: [f64; 3] = [3e-3, 5e-3, 1e-2];
+/// Number of distances between poses, where there are some, and standard deviation of the tape (m).
+pub(super) const DISTANCES: usize = 20;
+const TAPE_SD_M: f64 = 5e-4;
 /// The platform stands where it was sent to, within so much (m).
 const COMMANDS_SD_M: f64 = 2e-3;
 /// Three of so many machines are planar.
@@ -50,7 +53,6 @@ fn simulated(seed: u64, is_rough: bool, rng: &mut impl Rng) -> Result<Dataset> {
     };
     let run = simulate(&robot, &options).context("a sound machine")?;
     let mut dataset = run.dataset;
-    dataset.measurements.truth = Default::default();
     for cable in 0..dataset.robot.cable_count() {
         if is_rough {
             roughen(&mut dataset, cable, rng);
@@ -77,6 +79,27 @@ fn roughen(dataset: &mut Dataset, cable: usize, rng: &mut impl Rng) {
         let at = [(length - low) / (high - low), 0.0];
         length + sd_m * (smooth.at(at) + more * normal(rng))
     });
+}
+
+/// Adds distances between true places, at random; `read` is the reading of a tape for a distance with this number.
+pub(super) fn tape(
+    dataset: &mut Dataset,
+    rng: &mut impl Rng,
+    mut read: impl FnMut(usize, f64) -> f64,
+) {
+    let data = &mut dataset.measurements;
+    for number in 1..=DISTANCES {
+        let first = rng.random_range(1..data.len());
+        let rows = [rng.random_range(0..first), first];
+        let [a, b] = rows.map(|row| data.truth.poses[row].position);
+        data.distances.push(DistanceReading {
+            number,
+            rows,
+            point_m: [0.0; 3],
+            distance_m: read(number, (a - b).norm()) + TAPE_SD_M * normal(rng),
+            sd_m: TAPE_SD_M,
+        });
+    }
 }
 
 /// Changes the readings of a winch as lengths (m), which are absolute or count from home.
@@ -180,6 +203,8 @@ fn planar(
         });
         let read: Vec<f64> = read.collect();
         measurements.length_m.push_row(&read);
+        let truth = Pose::from_parts([at[0], at[1], 0.0], [1.0, 0.0, 0.0, 0.0]);
+        measurements.truth.poses.push(truth);
         measurements.labels.push(row as i64 + 1);
         let [x, y] = *command;
         let pose = Pose::from_parts([x, y, 0.0], [1.0, 0.0, 0.0, 0.0]);

@@ -70,6 +70,7 @@ impl Study for Field {
         let Some(right) = fault::put(fault, &mut dataset, &mut rng) else {
             return Ok(None);
         };
+        dataset.measurements.truth = Default::default();
         let dataset = Arc::new(dataset);
         let told = asked(Arc::clone(&dataset))?;
         let answer = judged(&told, &right);

@@ -203,29 +203,36 @@ fn a_right_drawing_is_no_finding() {
     }
 }
 
-/// Distances of a tape that is 0.8 % too short, between true places. Its scale is no fault of the winches and of the laser at once,
-/// and the noise would have to be sixteen times as large to hide it.
-#[test]
-fn the_scale_of_a_tape_is_no_fault_of_winches_and_laser() {
-    let run = run_with("mini", 40, 12, &[]);
-    let mut dataset = run.dataset;
-    let places: Vec<_> = (dataset.measurements.truth.poses.iter())
-        .map(|pose| pose.position)
-        .collect();
+/// A run with distances between successive true places, with noise of half a millimetre of alternating sign; `read` is the reading
+/// of a tape at a distance with this number.
+fn run_with_tape(read: impl Fn(usize, f64) -> f64) -> Dataset {
+    let mut dataset = run_with("mini", 40, 12, &[]).dataset;
+    let data = &mut dataset.measurements;
+    let places = data.truth.poses.iter().map(|pose| pose.position);
+    let places: Vec<_> = places.collect();
     let pairs = (1..places.len() - 1).map(|row| [row, row + 1]);
-    let measured = pairs.enumerate().map(|(k, rows)| {
-        let distance_m = (places[rows[1]] - places[rows[0]]).norm();
-        // Noise of half a millimetre, of alternating sign.
+    let far = pairs
+        .map(|rows| (rows, (places[rows[1]] - places[rows[0]]).norm()))
+        .filter(|(_, distance_m)| *distance_m > 0.15);
+    let measured = far.enumerate().map(|(k, (rows, distance_m))| {
         let noise_m = if k % 2 == 0 { 5e-4 } else { -5e-4 };
         DistanceReading {
+            number: k + 1,
             rows,
             point_m: [0.0; 3],
-            distance_m: 1.008 * distance_m + noise_m,
+            distance_m: read(k + 1, distance_m) + noise_m,
             sd_m: 5e-4,
         }
     });
-    let measured: Vec<_> = measured.filter(|one| one.distance_m > 0.15).collect();
-    dataset.measurements.distances = measured;
+    data.distances = measured.collect();
+    dataset
+}
+
+/// A tape that is 0.8 % too short. Its scale is no fault of the winches and of the laser at once, and the noise would have to be
+/// sixteen times as large to hide it.
+#[test]
+fn the_scale_of_a_tape_is_no_fault_of_winches_and_laser() {
+    let dataset = run_with_tape(|_, distance_m| 1.008 * distance_m);
     let diagnosis = diagnosed(&dataset);
     assert_eq!(found(&diagnosis), [("tape_scale", vec![])]);
     let scale = &diagnosis.findings[0].parameters[0];
@@ -233,5 +240,22 @@ fn the_scale_of_a_tape_is_no_fault_of_winches_and_laser() {
         (scale.value - 8e-3).abs() < 4.0 * scale.sd.unwrap(),
         "{scale:?}"
     );
+    assert!(diagnosis.extended.adequate);
+}
+
+/// A distance that was misread by 30 mm is told by its row, and not as noise of all.
+#[test]
+fn a_misread_distance_is_found_by_its_row() {
+    let misread = |number, distance_m| match number {
+        5 => distance_m - 0.03,
+        _ => distance_m,
+    };
+    let diagnosis = diagnosed(&run_with_tape(misread));
+    assert_eq!(found(&diagnosis), [("tape_outlier", vec![])]);
+    let [row, offset] = &diagnosis.findings[0].parameters[..] else {
+        panic!("{:?}", diagnosis.findings[0]);
+    };
+    assert_eq!(row.value, 5.0);
+    assert!((offset.value + 0.03).abs() < 4.0 * offset.sd.unwrap());
     assert!(diagnosis.extended.adequate);
 }

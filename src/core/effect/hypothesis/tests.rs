@@ -195,6 +195,7 @@ fn every_effect_is_text_or_says_why_not() {
             "tracker_axes",
             "tracker_moved",
             "tape_scale",
+            "tape_outlier",
             "tracker_latency",
             "tracker_clock",
             "encoder_latency",

@@ -1,8 +1,8 @@
 //! The slopes of all ports against central differences.
 
 use crate::effect::{
-    CableContext, CablePort, CablePorts, Dual, Effect, PlatformContext, PlatformPort,
-    PlatformPorts, every_effect,
+    CableContext, CablePort, CablePorts, DistancePorts, Dual, Effect, PlatformContext,
+    PlatformPort, PlatformPorts, every_effect,
 };
 use crate::robot::presets;
 
@@ -63,11 +63,16 @@ pub(super) fn ports_after(effect: &Effect, values: &[Dual]) -> (CablePorts, Plat
     (cable, platform)
 }
 
+/// A row of the distances.
+const FIFTH: usize = 5;
+
 fn scalars(effect: &Effect, values: &[Dual]) -> Vec<Dual> {
     let (cable, platform) = ports_after(effect, values);
     let of_cable = CablePort::ALL.iter().map(|port| cable.get(*port));
     let of_platform = PlatformPort::ALL.iter().map(|port| platform.get(*port));
-    let of_distances = [(effect.distance_gain)(values)];
+    let mut distance = DistancePorts::NOMINAL;
+    (effect.change_distance)(values, FIFTH, &mut distance);
+    let of_distances = [distance.gain, distance.shift];
     of_cable.chain(of_platform).chain(of_distances).collect()
 }
 
@@ -79,6 +84,7 @@ fn slopes_match_differences() {
             .iter()
             .map(|p| match p.name {
                 "pose" => at_cable().label as f64,
+                "row" => FIFTH as f64,
                 _ => 0.6 * p.typical[0] + 0.4 * p.typical[1],
             })
             .collect();

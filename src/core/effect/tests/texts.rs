@@ -28,13 +28,16 @@ fn bound(effect: &'static Effect, cables: &[usize], values: Vec<f64>) -> BoundEf
     }
 }
 
-/// Sizes in the typical range, all of this sign, at a pose.
+/// Sizes in the typical range, all of this sign, at a pose or in a row.
 fn sizes(effect: &Effect, share: f64, sign: f64) -> Vec<f64> {
-    let pose = effect.pose_parameter();
     let value = |(k, p): (usize, &crate::effect::EffectParameter)| {
         let [low, high] = p.typical;
         let size = low + (share + 0.1 * k as f64) * (high - low);
-        if pose == Some(k) { 17.0 } else { sign * size }
+        if p.discrete && !p.optional {
+            17.0
+        } else {
+            sign * size
+        }
     };
     effect.parameters().iter().enumerate().map(value).collect()
 }

@@ -33,17 +33,18 @@ fn planar_with_distances(seed: u64, sd_m: f64) -> Simulated {
         .map(|row| [row - 1, row])
         .chain([[0, data.len() - 1]]);
     let truth = &data.truth.poses;
-    let reading = |rows: [usize; 2]| {
+    let reading = |(k, rows): (usize, [usize; 2])| {
         let [a, b] = rows.map(|row| truth[row].transform(&Vector3::from(point_m)));
         let noise: f64 = rng.sample(rand_distr::StandardNormal);
         DistanceReading {
+            number: k + 1,
             rows,
             point_m,
             distance_m: (a - b).norm() + sd_m * noise,
             sd_m,
         }
     };
-    data.distances = pairs.map(reading).collect();
+    data.distances = pairs.enumerate().map(reading).collect();
     run
 }
 
