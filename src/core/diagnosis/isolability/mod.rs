@@ -365,8 +365,7 @@ impl ExpectedScores {
         let confused = scores.column_iter_mut().filter_map(|mut score| {
             score += &mean;
             let (first, second) = score.as_slice().split_at(count);
-            let (first, second) = (one.log_odds(first), rival.log_odds(second));
-            is_confused(first, second).then_some(())
+            are_confused((one, first), (rival, second)).then_some(())
         });
         confused.count() as f64 / ISOLABILITY_POINTS[1] as f64
     }
@@ -377,6 +376,18 @@ impl ExpectedScores {
         let explained = beside.clone().cholesky();
         total - explained.map_or(0.0, |factor| far.dot(&factor.solve(far)))
     }
+}
+
+/// [`is_confused`] for the evidence of the fault that is present and of another one, each with its score.
+fn are_confused(present: (&Evidence, &[f64]), other: (&Evidence, &[f64])) -> bool {
+    let [least, most] = present.0.bounds(present.1);
+    let [other_least, other_most] = other.0.bounds(other.1);
+    let needed = log_naming_odds();
+    if most.max(other_most) < needed || least - other_most >= needed {
+        return false;
+    }
+    least.max(other_least) >= needed && most - other_least < needed
+        || is_confused(present.0.log_odds(present.1), other.0.log_odds(other.1))
 }
 
 /// Whether a cause with these log posterior odds against no cause becomes a finding, named or in a list of alternatives.

@@ -48,14 +48,19 @@ impl Evidence {
         self.log_odds + log_sum(self.scales.iter().map(|scale| self.at(scale, score)))
     }
 
+    /// Bounds of the log posterior odds that need no exponential function: a sum is at least its largest term, and at most that
+    /// times the number of terms.
+    pub fn bounds(&self, score: &[f64]) -> [f64; 2] {
+        let terms = self.scales.iter().map(|scale| self.at(scale, score));
+        let least = self.log_odds + terms.fold(f64::NEG_INFINITY, f64::max);
+        [least, least + (self.scales.len() as f64).ln()]
+    }
+
     fn at(&self, scale: &Scale, score: &[f64]) -> f64 {
         let mut value = scale.constant;
         for row in 0..scale.root.nrows() {
-            let sum: f64 = score
-                .iter()
-                .enumerate()
-                .map(|(k, b)| scale.root[(row, k)] * b)
-                .sum();
+            let products = scale.root.row(row).into_iter().zip(score);
+            let sum: f64 = products.map(|(root, b)| root * b).sum();
             value += 0.5 * sum * sum;
         }
         if self.is_positive {

@@ -115,15 +115,47 @@ fn typical_winch_scale() -> f64 {
         .abs()
 }
 
+fn planar_readings() -> Dataset {
+    let preset = presets::find("planar").unwrap();
+    let run = simulate(&preset.robot, &SimulationOptions::new(15, 3));
+    run.unwrap().dataset
+}
+
+/// All pairs, with the scores of the readings and with parts of them, which are nearer to the limits.
+#[test]
+fn bounds_decide_as_the_odds_do() {
+    let data = planar_readings();
+    let problem = problem_at_fitted_poses(&data).unwrap();
+    let fit = Fit::new(&problem, &[]).unwrap();
+    let at = LinearFit::new(&fit, true);
+    let gram = at.gram(&at.linear.described(0));
+    let pairs = gram.candidates.iter().zip(&gram.scores);
+    let all: Vec<_> = pairs
+        .map(|(candidate, own)| (Evidence::new(candidate, &own.information), &own.score))
+        .collect();
+    let mut confused = 0;
+    for share in [0.3, 1.0, 3.0] {
+        let scores: Vec<_> = all.iter().map(|(_, score)| *score * share).collect();
+        for (one, (present, _)) in all.iter().enumerate() {
+            for (other, (rival, _)) in all.iter().enumerate() {
+                let [a, b] = [one, other].map(|k| scores[k].as_slice());
+                let expected = is_confused(present.log_odds(a), rival.log_odds(b));
+                assert_eq!(are_confused((present, a), (rival, b)), expected);
+                confused += usize::from(expected);
+            }
+        }
+    }
+    let tried = 3 * all.len() * all.len();
+    assert!(
+        confused > tried / 100 && confused < tried,
+        "{confused} of {tried}"
+    );
+}
+
 #[test]
 fn evidence_is_that_of_the_diagnosis() {
     use super::super::evidence::System;
-    let data = {
-        let preset = presets::find("planar").unwrap();
-        simulate(&preset.robot, &SimulationOptions::new(15, 3))
-            .unwrap()
-            .dataset
-    };
+    let data = planar_readings();
     let problem = problem_at_fitted_poses(&data).unwrap();
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, true);
