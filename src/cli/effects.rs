@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tautline_core::effect::{Effect, FORMULA_QUANTITIES, FORMULA_TARGETS, Hypothesis};
+use tautline_core::effect::{Effect, FORMULA_QUANTITIES, FORMULA_TARGETS, Hypothesis, Scope};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::{HypothesisFolder, Session};
 use tautline_workflow::clock;
 use tautline_workflow::effects::{
-    EffectDocument, EffectParameterDocument, EffectSearch, EffectTarget, EffectsDocument,
+    EffectDocument, EffectParameterDocument, EffectSearch, EffectsDocument,
 };
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::machines;
@@ -208,10 +208,10 @@ fn print_table(document: &EffectsDocument) {
 
 fn on(effect: &EffectDocument) -> &'static str {
     match effect.on {
-        EffectTarget::Cable => "each cable",
-        EffectTarget::CableOrAll => "one cable or all",
-        EffectTarget::Pair => "two cables",
-        EffectTarget::Robot => "the robot",
+        Scope::Cable => "each cable",
+        Scope::CableOrAll => "one cable or all",
+        Scope::Pair => "two cables",
+        Scope::Robot => "the robot",
     }
 }
 

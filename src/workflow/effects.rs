@@ -21,7 +21,7 @@ pub struct EffectDocument {
     /// Plain title.
     pub title: String,
     /// Possible targets.
-    pub on: EffectTarget,
+    pub on: Scope,
     /// Whether readings can determine the effect.
     pub can_be_estimated: bool,
     /// Search of a diagnosis for the effect.
@@ -36,20 +36,6 @@ pub struct EffectDocument {
     pub check: Option<String>,
     /// Source of the model.
     pub source: String,
-}
-
-/// Possible targets of an effect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum EffectTarget {
-    /// Each cable separately.
-    Cable,
-    /// One cable, or all together.
-    CableOrAll,
-    /// Two cables.
-    Pair,
-    /// The robot.
-    Robot,
 }
 
 /// Search of a diagnosis for an effect.
@@ -111,12 +97,7 @@ impl EffectDocument {
         Self {
             effect: effect.id().to_owned(),
             title: effect.title().to_owned(),
-            on: match effect.scope() {
-                Scope::Cable => EffectTarget::Cable,
-                Scope::CableOrAll => EffectTarget::CableOrAll,
-                Scope::Pair => EffectTarget::Pair,
-                Scope::Robot => EffectTarget::Robot,
-            },
+            on: effect.scope(),
             can_be_estimated: effect.is_estimable(),
             diagnosed: match effect.search() {
                 Search::Direct => EffectSearch::Always,
@@ -172,7 +153,7 @@ mod tests {
         let find = |id: &str| effects.iter().find(|e| e.effect == id).expect("an effect");
         assert!(find("winch_scale").can_be_estimated);
         assert!(!find("cable_swap").can_be_estimated);
-        assert_eq!(find("cable_swap").on, EffectTarget::Pair);
+        assert_eq!(find("cable_swap").on, Scope::Pair);
         let slip = find("cable_slip").parameters.iter();
         let given: Vec<_> = slip.filter(|p| p.is_given).map(|p| &p.name).collect();
         assert_eq!(given, ["pose"]);

@@ -100,11 +100,15 @@ pub(crate) use text_physics::TextPhysics;
 pub use tolerance::{MachineClass, TypicalTolerance};
 pub(crate) use typical_size::amplitude_of;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::measurement::{Measurements, Variable};
 use crate::robot::Robot;
 
 /// Possible targets of an effect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Scope {
     /// One cable; without a target, each cable gets an instance of its own.
     Cable,
