@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use super::budget::{MIN_REDUNDANCY_OF_TAILS, UNDETERMINED};
 use super::inference::Inference;
 use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
-use super::report::{Cause, Quantity};
+use super::report::Quantity;
 use super::residual_space::ResidualSpace;
 use crate::effect::Search;
 use crate::statistics::{log_sum, logit};
@@ -38,11 +38,7 @@ impl WrongReading {
 /// For each cause of an inference the odds that heavy tails explain it; 0 for causes other than single wrong readings.
 pub(super) fn odds_of_heavy_tails(inference: &Inference<'_>) -> Vec<f64> {
     let causes = &inference.fit.causes;
-    let is_wrong_reading = |cause: &Cause| {
-        let search = cause.effect().search();
-        matches!(search, Search::AtPose(_) | Search::AtDistance(_))
-    };
-    if !causes.iter().any(is_wrong_reading) {
+    if !causes.iter().any(|cause| cause.effect().is_wrong_reading()) {
         return vec![0.0; causes.len()];
     }
     let sds = inference.sds().into_iter().enumerate();

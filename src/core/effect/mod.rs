@@ -453,6 +453,12 @@ impl Effect {
         self.is_damage
     }
 
+    /// Whether the effect is a single wrong reading.
+    #[must_use]
+    pub fn is_wrong_reading(&self) -> bool {
+        matches!(self.search, Search::AtPose(_) | Search::AtDistance(_))
+    }
+
     /// Index of the parameter that is the label of a pose.
     #[must_use]
     pub fn pose_parameter(&self) -> Option<usize> {

@@ -4,7 +4,7 @@ use super::{AsText, Effect, EffectParameter, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tape_outlier",
-    title: "Distance that was misread",
+    title: "Misread distance",
     scope: Scope::Robot,
     parameters: &[
         EffectParameter::given("row", "1", [1.0, 100.0]),

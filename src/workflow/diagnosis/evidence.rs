@@ -148,11 +148,13 @@ impl<'a> Explained<'a> {
         let without = Analysis::new(&rest, &at).observations;
         let explained = |(with, without): (Observation, Observation)| {
             let (quantity, cable) = group_of(with.kind)?;
+            // A reading that is wrong by itself leaves nothing with its cause.
+            let taken_up = || without.normalised().map(|_| 0.0);
             Some(ExplainedReading {
                 quantity,
                 cable,
                 row: with.row,
-                residual: with.normalised()?,
+                residual: with.normalised().or_else(taken_up)?,
                 explained: without.standardised - with.standardised,
             })
         };

@@ -1,6 +1,6 @@
 //! Next step of phase 4: identify, diagnose, add causes, until the model explains the readings.
 
-use tautline_core::diagnosis::{Finding, Verdict};
+use tautline_core::diagnosis::{Cause, Finding, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_core::planning::USUAL_POSES;
 
@@ -161,20 +161,20 @@ fn of_model(model: &Model, open: &OpenSession) -> Remedy {
     })
 }
 
-/// Next step for findings: permanent causes are added to the model, others are repaired and measured again; then poses
-/// separate several causes, and patterns describe errors without a cause.
+/// Next step for findings: permanent causes and single wrong readings are added to the model, others are repaired and measured again;
+/// then poses separate several causes, and patterns describe errors without a cause.
 fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Remedy> {
     let open = model.open.as_ref()?;
     let has_name = |finding: &&Finding| finding.verdict() != Verdict::Unknown && !finding.is_list();
     let named: Vec<&Finding> = undecided.iter().copied().filter(has_name).collect();
     let not_added = model.identification.not_added.as_ref();
     let lasts = |finding: &Finding| {
-        let is_damage = finding
-            .cause()
-            .is_some_and(|cause| cause.effect().is_damage());
+        let effect = finding.cause().map(Cause::effect);
+        let is_repaired =
+            effect.is_some_and(|effect| effect.is_damage() && !effect.is_wrong_reading());
         let failed =
             not_added.is_some_and(|(effects, _)| findings::has_any(diagnosed, finding, effects));
-        !is_damage && !failed
+        !is_repaired && !failed
     };
     let (lasting, passing): (Vec<&Finding>, Vec<&Finding>) =
         named.iter().copied().partition(|finding| lasts(finding));

@@ -302,13 +302,19 @@ pub fn actions(
     if cause.effect().search() == Search::Exchange {
         back_to_import(ui, panel);
     }
-    if cause.effect().is_damage() {
+    let (is_damage, once) = (
+        cause.effect().is_damage(),
+        "Happened once: explains these readings only.",
+    );
+    if is_damage && !cause.effect().is_wrong_reading() {
         let when = "Damage: repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, name, when);
-        let when = "Happened once: explains these readings only.";
-        add(ui, panel, settings, name, when);
+        add(ui, panel, settings, name, once);
     } else {
-        let when = "Permanent: correct it in the controller.";
+        let when = match is_damage {
+            true => once,
+            false => "Permanent: correct it in the controller.",
+        };
         add(ui, panel, settings.clone(), name, when);
         let when = "Repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, name, when);
