@@ -14,6 +14,9 @@ use tautline_workbench::model::command::{FileCommand, RobotCommand, ViewCommand}
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::{App, AppState};
 
+/// Time factor of the simulated robot.
+const SPEED: f64 = 60.0;
+
 /// A workbench with files in a folder that lives as long as this.
 pub struct Bench {
     pub harness: Harness<'static, App>,
@@ -47,19 +50,33 @@ impl Bench {
     /// At the start screen, of the user of another window.
     pub fn new_in(user: &Path) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        Self::of_user(Folders::below(&user.join("user")), folder, None)
+        Self::of_user(Folders::below(&user.join("user")), folder, (None, SPEED))
     }
 
     /// At the start screen, where an earlier start may have left files in the folder.
     pub fn started_in(folder: tempfile::TempDir, demo_seed: Option<u64>) -> Self {
-        Self::of_user(Self::folders(&folder), folder, demo_seed)
+        Self::of_user(Self::folders(&folder), folder, (demo_seed, SPEED))
     }
 
-    fn of_user(folders: Folders, folder: tempfile::TempDir, demo_seed: Option<u64>) -> Self {
+    /// At the start screen, with a simulated robot whose time runs faster by a factor.
+    pub fn at_speed(demo_seed: u64, robot_speed: f64) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        Self::of_user(
+            Self::folders(&folder),
+            folder,
+            (Some(demo_seed), robot_speed),
+        )
+    }
+
+    fn of_user(
+        folders: Folders,
+        folder: tempfile::TempDir,
+        (demo_seed, robot_speed): (Option<u64>, f64),
+    ) -> Self {
         let options = Options {
             folders: Some(folders),
             demo_seed,
-            robot_speed: Some(60.0),
+            robot_speed: Some(robot_speed),
             diagnosis_limit_s: Some(600.0),
             passwords: Some(Arc::new(MemoryPasswords::default())),
             ..Options::default()
