@@ -9,16 +9,16 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 11] = [
     ("channels", 8119),
-    ("cli", 7606),
-    ("core", 38263),
+    ("cli", 7607),
+    ("core", 38103),
     ("files", 133),
     ("import", 10812),
     ("link", 10451),
     ("python", 989),
-    ("session", 8108),
+    ("session", 8109),
     ("study", 3180),
-    ("workbench", 37451),
-    ("workflow", 21165),
+    ("workbench", 37457),
+    ("workflow", 21156),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
