@@ -13,7 +13,7 @@ pub(super) static EFFECT: Effect = Effect {
     },
     check: Some("Measure one of the distances with another tape."),
     source: "Scale error of distance meters",
-    change_distance: |parameters, _, ports| ports.gain = ports.gain * (parameters[0] + 1.0),
+    change_distance: |parameters, _, ports| ports.gain *= parameters[0] + 1.0,
     as_text: AsText::Impossible(
         "multiplies distances between poses, while formulas change readings of one pose",
     ),

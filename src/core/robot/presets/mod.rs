@@ -5,7 +5,7 @@
 //! mount; those values are assumed, see [`Preset::assumed`]. Cables of the spatial robots cross: with all anchors on the lines to
 //! their pulleys, nothing would constrain the rotation about z.
 
-use super::Robot;
+use crate::robot::Robot;
 use crate::simulation::{TensionRange, Workspace};
 
 /// A robot with its workspace and tension limits.
@@ -41,26 +41,26 @@ pub fn find(name: &str) -> Option<Preset> {
             "mini",
             "eight cables, 1 m frame (Jin et al. 2018, Table 1)",
             "platform anchors, pulley radius, drum, cable stiffness, mass, laser mount and all noise",
-            include_str!("presets/mini.json"),
+            include_str!("mini.json"),
         ),
         "hall" => (
             "hall",
             "eight cables, fully constrained, 16 m x 12 m x 6 m",
             EVERYTHING,
-            include_str!("presets/hall.json"),
+            include_str!("hall.json"),
         ),
         "suspended" => (
             "suspended",
             "eight sagging cables, suspended, 30 m x 20 m x 11 m",
             EVERYTHING,
-            include_str!("presets/suspended.json"),
+            include_str!("suspended.json"),
         ),
         // Normal to the plane the pulleys are known, as no reading depends on these coordinates.
         "planar" => (
             "planar",
             "four cables in a vertical plane, 3 m x 2 m",
             EVERYTHING,
-            include_str!("presets/planar.json"),
+            include_str!("planar.json"),
         ),
         _ => return None,
     };
