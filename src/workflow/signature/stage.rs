@@ -90,7 +90,7 @@ impl Stage {
         }
     }
 
-    /// The effect on the first possible cables, at a pose in the middle.
+    /// The effect on the first possible cables, in the middle of the poses.
     fn typical(&self, effect: &'static Effect) -> Result<BoundEffect, String> {
         let cables = self.robot.cables.iter().map(|cable| cable.name.clone());
         let targets: Vec<String> = match effect.scope() {
@@ -100,12 +100,12 @@ impl Stage {
         };
         let labels = &self.still.labels;
         let middle = labels.get(labels.len() / 2).copied().unwrap_or_default();
-        let pose = effect.pose_parameter();
-        let pose = pose.map(|index| (effect.parameters()[index].name.to_owned(), middle as f64));
+        // The label of a pose, or the row of a distance.
+        let given = (effect.parameters().iter()).filter(|p| p.discrete && !p.optional);
         let setting = EffectSetting {
             effect: effect.id().to_owned(),
             targets,
-            parameters: pose.into_iter().collect(),
+            parameters: given.map(|p| (p.name.to_owned(), middle as f64)).collect(),
         };
         let bound = BoundEffect::to_estimate(&setting, &self.robot);
         Ok(bound.map_err(|error| error.to_string())?.at_typical_size())
