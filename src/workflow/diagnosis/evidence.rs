@@ -8,7 +8,7 @@
 //! that the points scatter about the line of the cause as the residuals do about zero.
 
 use tautline_core::diagnosis::{Cause, Finding, Quantity, Subject, UnmodelledError, Variables};
-use tautline_core::effect::{BoundEffect, Search};
+use tautline_core::effect::{BoundEffect, OF_DISTANCES, Search};
 use tautline_core::estimation::{
     Analysis, Linearisation, Observation, Parameter, ParameterId, Problem, Solution,
 };
@@ -134,7 +134,9 @@ impl<'a> Explained<'a> {
     fn of(diagnosed: &'a Diagnosed, dataset: &'a Dataset, finding: &'a Finding) -> Option<Self> {
         let solution = &diagnosed.diagnosis.extended_solution;
         let problem = problem_of(diagnosed, dataset, solution)?;
-        let cause = finding.cause()?;
+        let is_of_distances = |id| OF_DISTANCES.iter().any(|effect| effect.id() == id);
+        // The poses are held, and with them the distances, so that only other readings would be left to show.
+        let cause = (finding.cause()).filter(|cause| !is_of_distances(cause.effect().id()))?;
         let own = &cause.instances;
         let is_other = |bound: &BoundEffect| !own.iter().any(|one| is_same(one, bound));
         let others: Vec<usize> = (0..problem.free_effects.len())
@@ -148,13 +150,11 @@ impl<'a> Explained<'a> {
         let without = Analysis::new(&rest, &at).observations;
         let explained = |(with, without): (Observation, Observation)| {
             let (quantity, cable) = group_of(with.kind)?;
-            // A reading that is wrong by itself leaves nothing with its cause.
-            let taken_up = || without.normalised().map(|_| 0.0);
             Some(ExplainedReading {
                 quantity,
                 cable,
                 row: with.row,
-                residual: with.normalised().or_else(taken_up)?,
+                residual: with.normalised()?,
                 explained: without.standardised - with.standardised,
             })
         };
