@@ -1,4 +1,4 @@
-//! Ready-made robots for simulation, demonstrations and validation: robot files with what is known of them.
+//! Ready-made robots for simulation, demonstrations and validation: `robot.json` written in TOML, and what is known of them.
 //!
 //! `mini` is the robot of Jin et al. 2018: entry points from Table 1 (cable 7 with its signs repaired by
 //! symmetry). The paper does not give platform anchors, pulley radius, drum, stiffness, mass or laser
@@ -41,30 +41,30 @@ pub fn find(name: &str) -> Option<Preset> {
             "mini",
             "eight cables, 1 m frame (Jin et al. 2018, Table 1)",
             "platform anchors, pulley radius, drum, cable stiffness, mass, laser mount and all noise",
-            include_str!("mini.json"),
+            include_str!("mini.toml"),
         ),
         "hall" => (
             "hall",
             "eight cables, fully constrained, 16 m x 12 m x 6 m",
             EVERYTHING,
-            include_str!("hall.json"),
+            include_str!("hall.toml"),
         ),
         "suspended" => (
             "suspended",
             "eight sagging cables, suspended, 30 m x 20 m x 11 m",
             EVERYTHING,
-            include_str!("suspended.json"),
+            include_str!("suspended.toml"),
         ),
         // Normal to the plane the pulleys are known, as no reading depends on these coordinates.
         "planar" => (
             "planar",
             "four cables in a vertical plane, 3 m x 2 m",
             EVERYTHING,
-            include_str!("planar.json"),
+            include_str!("planar.toml"),
         ),
         _ => return None,
     };
-    let robot: Robot = serde_json::from_str(file).ok()?;
+    let robot: Robot = toml::from_str(file).ok()?;
     let metres = || MINI_MEASURED_MM.map(|point| point.map(|value| value / 1000.0));
     Some(Preset {
         name,
