@@ -131,7 +131,7 @@ impl<'a> Simulator<'a> {
         rng: &mut ChaCha8Rng,
     ) -> Result<Simulated, SimulationError> {
         let robot = &self.cell.robot;
-        if faults.is_empty() && robot.tolerances.is_none() {
+        if faults.is_empty() && robot.tolerances.is_none() && !robot.hangs_freely() {
             return self.runs.simulate(rng);
         }
         let options = SimulationOptions {

@@ -13,6 +13,7 @@ use super::relations::{
 };
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search, amplitude_of};
+use crate::robot::Robot;
 
 /// Dependence of the effect of a generator on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -247,9 +248,9 @@ pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
     density(1.0).ln() - density(size.max(1.0)).max(f64::MIN_POSITIVE).ln()
 }
 
-/// Prior standard deviation of a linear step of a parameter whose present distance from its neutral value is `present`.
-pub(super) fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
-    let [_, largest] = parameter.typical_sizes();
+/// Prior standard deviation of a linear step of a parameter of a robot whose present distance from its neutral value is `present`.
+pub(super) fn prior_sd(parameter: &EffectParameter, robot: &Robot, present: f64) -> f64 {
+    let largest = parameter.largest_in(robot);
     let probe = probe_offset(parameter);
     let sd = RELATIVE_SD * largest;
     if probe == 0.0 {

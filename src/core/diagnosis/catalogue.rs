@@ -415,17 +415,18 @@ impl Builder<'_> {
             same.next()
                 .map_or(0.0, |b| b.values[k] - effect.parameters()[k].neutral)
         };
+        let robot = &self.fit.problem.dataset.robot;
         let wave = matches!(effect.search(), Search::Wave { .. });
         let mut sds: Vec<f64> = Vec::new();
         for bound in &cause.instances {
             if wave {
-                sds.extend([prior_sd(size, 0.0); 2]);
+                sds.extend([prior_sd(size, robot, 0.0); 2]);
             } else {
                 let parameters = effect.parameters();
                 sds.extend(
                     effect
                         .estimable()
-                        .map(|k| prior_sd(&parameters[k], present(bound, k))),
+                        .map(|k| prior_sd(&parameters[k], robot, present(bound, k))),
                 );
             }
         }

@@ -40,8 +40,7 @@ pub(super) fn has_possible_values(cause: &Cause, robot: &Robot) -> bool {
     let bounds = cause.instances.iter();
     let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
     values.all(|(value, p)| {
-        let [_, largest] = p.typical_sizes();
-        let limit = IMPOSSIBLE_FACTOR * p.growth_in(robot) * largest.max(p.prior_sd);
+        let limit = IMPOSSIBLE_FACTOR * p.largest_in(robot).max(p.prior_sd_in(robot));
         let sized = p.discrete || (value - p.neutral).abs() < limit;
         sized && *value >= p.bounds[0] && *value <= p.bounds[1]
     })

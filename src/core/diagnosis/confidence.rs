@@ -19,6 +19,7 @@ use super::residual_space::ResidualSpace;
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::variables::Variables;
 use crate::estimation::{EstimationError, Problem};
+use crate::robot::Robot;
 
 /// Confirmed causes with their posteriors.
 pub(super) struct ConfirmedCauses<'a> {
@@ -205,7 +206,8 @@ pub(super) fn state_probabilities(
                 }
             };
         }
-        let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity_of(finding)));
+        let log_rarity = log_rarity_of(finding, &inference.fit.problem.dataset.robot);
+        let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity));
         finding.probability -= atypical;
         let scatter = k.and_then(|k| inference.scatter_like(k));
         add_error(finding, scatter, atypical);
@@ -217,7 +219,7 @@ pub(super) fn state_probabilities(
 
 /// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
 /// interval.
-pub(super) fn log_rarity_of(finding: &Finding) -> f64 {
+pub(super) fn log_rarity_of(finding: &Finding, robot: &Robot) -> f64 {
     let Some(effect) = finding.cause().map(Cause::effect) else {
         return 0.0;
     };
@@ -230,8 +232,7 @@ pub(super) fn log_rarity_of(finding: &Finding) -> f64 {
         let alike = alike.filter(|(p, _)| p.unit == size.unit && !p.discrete);
         let squares = alike.map(|(p, parameter)| {
             let certain = (parameter.value - p.neutral).abs() - 2.0 * parameter.sd.unwrap_or(0.0);
-            let [_, largest] = p.typical_sizes();
-            (certain.max(0.0) / largest).powi(2)
+            (certain.max(0.0) / p.largest_in(robot)).powi(2)
         });
         squares.sum::<f64>().sqrt()
     };

@@ -36,6 +36,7 @@ use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CATALOGUE, CablePorts, Dual, Scope};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
+use crate::robot::Robot;
 use crate::statistics::{logit, normal_quantile};
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
@@ -133,8 +134,9 @@ fn allow_for_wrong_drawing(
         true => Some(diagnose_independent((&stated, rows), options, report)?),
         false => None,
     };
-    let known = evidence.of_stated + log_evidence(as_stated.as_ref().unwrap_or(found), 1.0);
-    let wrong = evidence.of_wider + log_evidence(&other, 1.0);
+    let robot = &dataset.robot;
+    let known = evidence.of_stated + log_evidence(as_stated.as_ref().unwrap_or(found), robot, 1.0);
+    let wrong = evidence.of_wider + log_evidence(&other, robot, 1.0);
     let log_odds = evidence.log_odds.min(wrong - known);
     let is_open = log_odds.abs() < log_naming_odds();
     let subject = Subject::WrongDrawing(evidence.pattern);
@@ -186,7 +188,7 @@ fn allow_for_slack(
     report: &mut Reporter<'_, '_>,
 ) -> Result<(), EstimationError> {
     let variance = usual_variance(dataset, 0.0)?;
-    let known = log_evidence(found, variance);
+    let known = log_evidence(found, &dataset.robot, variance);
     let rival = Rival {
         variance,
         least: known - log_naming_odds(),
@@ -225,7 +227,7 @@ fn allow_for_slack(
 /// Approximate log evidence of the extended model of a diagnosis: half of chi-square, and for each finding its prior probability and
 /// what the estimation of its parameters costs (Laplace), the more the less usual its size. `variance` is that of the readings in that
 /// stated.
-fn log_evidence(found: &Diagnosis, variance: f64) -> f64 {
+fn log_evidence(found: &Diagnosis, robot: &Robot, variance: f64) -> f64 {
     let of_finding = |finding: &Finding| {
         let Some(cause) = finding.cause() else {
             return 0.0;
@@ -248,10 +250,10 @@ fn log_evidence(found: &Diagnosis, variance: f64) -> f64 {
             .cycle()
             .zip(&finding.parameters);
         let cost = parameters.filter_map(|(parameter, found)| {
-            let [_, largest] = parameter.typical_sizes();
-            Some((RELATIVE_SD * largest / found.sd?).ln().max(0.0))
+            let prior_sd = RELATIVE_SD * parameter.largest_in(robot);
+            Some((prior_sd / found.sd?).ln().max(0.0))
         });
-        share.ln() - cost.sum::<f64>() - log_rarity_of(finding)
+        share.ln() - cost.sum::<f64>() - log_rarity_of(finding, robot)
     };
     let findings = found.findings.iter().map(of_finding);
     findings.sum::<f64>() - 0.5 * found.extended.global.chi2 / variance

@@ -69,12 +69,13 @@ fn wrong_reading(
     let (Search::AtPose(place) | Search::AtDistance(place)) = bound.effect.search() else {
         return None;
     };
+    let robot = &inference.fit.problem.dataset.robot;
     let of_errors = (0..bound.values.len()).filter(|k| *k != place);
     let determined = of_errors
         .zip(sds)
         .enumerate()
         .filter_map(|(column, (k, sd))| {
-            let prior_sd = bound.effect.parameters()[k].prior_sd;
+            let prior_sd = bound.effect.parameters()[k].prior_sd_in(robot);
             let sd = sd.filter(|sd| *sd < UNDETERMINED * prior_sd)?;
             Some(((column, bound.values[k]), sd))
         });

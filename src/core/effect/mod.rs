@@ -141,9 +141,9 @@ pub struct EffectParameter {
     pub name: &'static str,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
-    /// Standard deviation of the prior, which is centred at `neutral`; in a large frame more, see `growth_in`.
+    /// Standard deviation of the prior, which is centred at `neutral`, in a frame of usual size.
     pub prior_sd: f64,
-    /// Range of sizes typical in practice.
+    /// Range of sizes typical in practice, in a frame of usual size.
     pub typical: [f64; 2],
     /// Value without effect; arbitrary where another parameter decides whether there is one.
     pub neutral: f64,
@@ -207,8 +207,19 @@ impl EffectParameter {
         [a.min(b), a.max(b)]
     }
 
-    /// Factor of what is usual, as of the standard deviation of the prior, on a robot: lengths grow in proportion to a large frame.
-    pub(crate) fn growth_in(&self, robot: &Robot) -> f64 {
+    /// Standard deviation of the prior on a robot, see [`Self::prior_sd`].
+    pub(crate) fn prior_sd_in(&self, robot: &Robot) -> f64 {
+        self.growth_in(robot) * self.prior_sd
+    }
+
+    /// Largest typical magnitude on a robot.
+    pub(crate) fn largest_in(&self, robot: &Robot) -> f64 {
+        let [_, largest] = self.typical_sizes();
+        self.growth_in(robot) * largest
+    }
+
+    /// Factor of what is usual on a robot: lengths grow in proportion to a large frame.
+    fn growth_in(&self, robot: &Robot) -> f64 {
         match self.unit {
             "m" => (robot.frame_size_m().unwrap_or(0.0) / FRAME_OF_USUAL_LENGTHS).max(1.0),
             _ => 1.0,

@@ -132,7 +132,7 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
                 prior_sd: Some(if description.discrete {
                     0.0
                 } else {
-                    description.prior_sd * description.growth_in(&problem.dataset.robot)
+                    description.prior_sd_in(&problem.dataset.robot)
                 }),
             });
         }

@@ -208,7 +208,7 @@ impl<'a> InformationModel<'a> {
             let labelled = solution
                 .poses
                 .iter()
-                .map(|(row, pose)| (data.labels[*row], *pose));
+                .map(|(row, pose)| (data.labels[*row], self.resting_pose(*pose)));
             labelled.filter(|(label, pose)| {
                 let is_home = *label == 0 && self.robot.home.is_some();
                 !is_home && self.tensions(pose).is_some()

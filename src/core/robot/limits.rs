@@ -108,4 +108,10 @@ impl Robot {
         self.platform.mass_kg.is_some()
             && (self.has_force_sensors() || self.limits.is_some_and(|l| l.tension.is_some()))
     }
+
+    /// Whether the weight of the platform decides where it comes to rest: it has fewer cables than free coordinates.
+    #[must_use]
+    pub fn hangs_freely(&self) -> bool {
+        self.has_tensions() && self.cable_count() < self.platform.freedom().count()
+    }
 }

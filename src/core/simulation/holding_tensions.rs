@@ -168,11 +168,6 @@ pub(super) fn holding_tensions(
     Ok(tensions)
 }
 
-/// Whether the weight of the platform decides where it comes to rest: it has fewer cables than free coordinates.
-fn hangs_freely(robot: &Robot) -> bool {
-    robot.has_tensions() && robot.cable_count() < robot.platform.freedom().count()
-}
-
 /// The pose near that of a visit at which the platform rests under the effects, with its tensions (N) as [`holding_tensions`]:
 /// that of the visit itself, unless the platform hangs freely; `None` if there is none.
 pub(super) fn resting_state(
@@ -182,7 +177,7 @@ pub(super) fn resting_state(
     range: &TensionRange,
 ) -> Result<Option<(Pose, Vec<f64>)>, KinematicsError> {
     let mut pose = *visit.pose;
-    if !hangs_freely(truth) {
+    if !truth.hangs_freely() {
         let held = holding_tensions(truth, effects, visit, range)?;
         return Ok(held.map(|tensions| (pose, tensions)));
     }
@@ -217,7 +212,7 @@ impl AfterHome<'_> {
 
     /// The pose near it at which the platform rests, as [`resting_state`]; the pose itself if there is none.
     pub fn resting_pose(&self, pose: Pose) -> Pose {
-        if !hangs_freely(self.robot) {
+        if !self.robot.hangs_freely() {
             return pose;
         }
         let rest = self.visit(&pose, |visit| {

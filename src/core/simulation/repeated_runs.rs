@@ -61,7 +61,7 @@ impl RepeatedRuns {
         let home = robot.home.map(|home| home.pose());
         let commanded: Vec<Pose> = home.into_iter().chain(poses.iter().copied()).collect();
         let hold = |pose: &Pose| {
-            if !robot.has_tensions() {
+            if !robot.has_tensions() || robot.hangs_freely() {
                 return Ok(vec![0.0; robot.cable_count()]);
             }
             let held = range.tensions(robot, pose)?;
@@ -93,9 +93,11 @@ impl RepeatedRuns {
     /// If the true robot cannot be held at one of the poses, with any of the displacements drawn.
     ///
     /// # Panics
-    /// If the robot states tolerances: only [`simulate`](super::simulate) makes parts deviate.
+    /// If the robot states tolerances or hangs freely: only [`simulate`](super::simulate) makes parts deviate and lets a platform
+    /// come to rest.
     pub fn simulate(&self, rng: &mut ChaCha8Rng) -> Result<Simulated, SimulationError> {
         assert!(self.robot.tolerances.is_none(), "a robot of exact parts");
+        assert!(!self.robot.hangs_freely(), "a platform that is held");
         let truth = draw_truth(&self.robot, &self.options, rng);
         let visits: Result<Vec<Visit>, SimulationError> = (0..self.commanded.len())
             .map(|row| self.visit(&truth, row, rng))

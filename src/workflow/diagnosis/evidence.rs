@@ -154,7 +154,8 @@ impl<'a> Explained<'a> {
                 quantity,
                 cable,
                 row: with.row,
-                residual: with.normalised()?,
+                // A reading that others control only without the cause leaves no residual with it, as a wrong reading.
+                residual: with.normalised().or(without.normalised().and(Some(0.0)))?,
                 explained: without.standardised - with.standardised,
             })
         };
@@ -262,7 +263,6 @@ fn without_effects<'a>(
     };
     let mut at = Solution {
         parameters: solution.parameters.iter().filter_map(parameter).collect(),
-        covariance: None,
         ..solution.clone()
     };
     at.globals.effects = [&rest.held_effects[..], &rest.free_effects].concat();
@@ -286,7 +286,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 
-    fn diagnosed(effect: &str, cable: Option<&str>, (name, value): (&str, f64)) -> Diagnosed {
+    fn diagnosed(effect: &str, cable: Option<&str>, parameters: &[(&str, f64)]) -> Diagnosed {
         let preset = presets::find("mini").expect("a preset");
         let geometry = preset.measured_entry_points_m.clone();
         let options = SimulationOptions {
@@ -294,7 +294,9 @@ mod tests {
             effects: vec![EffectSetting {
                 effect: effect.to_owned(),
                 targets: cable.into_iter().map(str::to_owned).collect(),
-                parameters: [(name.to_owned(), value)].into(),
+                parameters: (parameters.iter())
+                    .map(|(name, value)| ((*name).to_owned(), *value))
+                    .collect(),
             }],
             workspace: Some(preset.workspace),
             tension: Some(preset.tension),
@@ -327,7 +329,7 @@ mod tests {
             ),
             ("laser_scale", None, ("scale", 0.05), Quantity::Laser),
         ] {
-            let diagnosed = diagnosed(effect, cable, parameter);
+            let diagnosed = diagnosed(effect, cable, &[parameter]);
             let findings = &diagnosed.diagnosis.findings;
             let is_it =
                 |finding: &Finding| finding.cause().is_some_and(|c| c.effect().id() == effect);
@@ -365,5 +367,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// With its cause in the model nothing else controls such a reading.
+    #[test]
+    fn a_wrong_reading_is_shown_among_those_of_its_kind() {
+        let diagnosed = diagnosed("laser_outliers", None, &[("pose", 12.0), ("error", 0.05)]);
+        let shown = evidence(&diagnosed).remove(0).expect("evidence");
+        assert_eq!(shown.quantity, Quantity::Laser);
+        let points = shown.figure.series[0].points();
+        assert_eq!(points.len(), 41);
+        let far = points.iter().filter(|point| point.y.abs() > 20.0);
+        assert_eq!(far.count(), 1);
     }
 }

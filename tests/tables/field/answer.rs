@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{DrawingPattern, Finding, Subject, Verdict};
+use tautline_core::effect::Search;
 use tautline_workflow::diagnosis::Diagnosed;
 
 /// What should be said.
@@ -9,6 +10,8 @@ use tautline_workflow::diagnosis::Diagnosed;
 pub enum Right {
     /// Causes by effect and cables, counted from 1; an empty list stands for any cables.
     Causes(Vec<(&'static str, Vec<usize>)>),
+    /// A wrong reading by its effect, and the label of its pose or the number of its distance.
+    WrongReading(&'static str, i64),
     /// Columns in which there is a mistake, beside which nothing is named but an offset.
     Mistake(Vec<String>),
     /// Cable, counted from 1, and labels of the poses at which it is slack.
@@ -36,13 +39,18 @@ pub enum Answer {
     False(String),
 }
 
-/// Effect and cables, counted from 1.
-type Cause = (&'static str, Vec<usize>);
+/// Effect, cables counted from 1, and of a wrong reading the label of its pose or the number of its distance.
+type Cause = (&'static str, Vec<usize>, Option<i64>);
 
 fn causes(finding: &Finding) -> impl Iterator<Item = Cause> {
     finding.causes().map(|cause| {
         let cables = cause.cables().into_iter().map(|cable| cable + 1);
-        (cause.effect().id(), cables.collect())
+        let bound = &cause.instances[0];
+        let place = match bound.effect.search() {
+            Search::AtPose(k) | Search::AtDistance(k) => Some(bound.values[k] as i64),
+            _ => None,
+        };
+        (cause.effect().id(), cables.collect(), place)
     })
 }
 
@@ -66,7 +74,9 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
         .collect();
     let listed: Vec<Cause> = findings.iter().flat_map(causes).collect();
     let is = |one: &Cause, wanted: &Cause| {
-        one.0 == wanted.0 && (wanted.1.is_empty() || one.1 == wanted.1)
+        one.0 == wanted.0
+            && (wanted.1.is_empty() || one.1 == wanted.1)
+            && (wanted.2.is_none() || one.2 == wanted.2)
     };
     let said: Vec<&str> = (told.mistakes.iter())
         .flat_map(|one| &one.columns)
@@ -77,9 +87,12 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
     let slack = slack.filter(|slack| slack.is_left_out);
     let may_be_drawing = told.diagnosis.drawing.as_ref();
     let drawing = may_be_drawing.filter(|drawing| drawing.is_named());
-    let wanted: &[Cause] = match right {
-        Right::Causes(wanted) => wanted,
-        _ => &[],
+    let wanted: Vec<Cause> = match right {
+        Right::Causes(wanted) => (wanted.iter())
+            .map(|(effect, cables)| (*effect, cables.clone(), None))
+            .collect(),
+        Right::WrongReading(effect, place) => vec![(*effect, Vec::new(), Some(*place))],
+        _ => Vec::new(),
     };
     let is_meant = |one: &Cause| match right {
         Right::Mistake(_) => BESIDE_MISTAKES.contains(&one.0),
@@ -106,13 +119,14 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
         wanted.iter().all(is_there)
     };
     let is_right = match right {
-        Right::Causes(_) if all(&named) => true,
-        Right::Causes(_) if all(&listed) => return Answer::Listed,
-        Right::Causes(_) => false,
+        Right::Causes(_) | Right::WrongReading(..) => match all(&listed) {
+            true if !all(&named) => return Answer::Listed,
+            is_listed => is_listed,
+        },
         Right::Mistake(columns) => {
-            let exchanged = named.iter().filter(|(effect, _)| *effect == EXCHANGED);
+            let exchanged = named.iter().filter(|(effect, ..)| *effect == EXCHANGED);
             let exchanged: Vec<String> = exchanged
-                .flat_map(|(_, cables)| cables)
+                .flat_map(|(_, cables, _)| cables)
                 .flat_map(|cable| [format!("rev_{cable}"), format!("length_{cable}_m")])
                 .collect();
             let is_said =

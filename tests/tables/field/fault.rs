@@ -303,7 +303,7 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
             tape(dataset, rng, |number, distance_m| {
                 distance_m + if number == wrong { by_m } else { 0.0 }
             });
-            Some(Right::Causes(vec![("tape_outlier", vec![])]))
+            Some(Right::WrongReading("tape_outlier", wrong as i64))
         }
         Fault::Slack | Fault::Extension | Fault::LostTurns | Fault::OtherDrums => None,
         _ => measure(fault, dataset, &place, rng),
@@ -351,6 +351,7 @@ fn measure(
     rng: &mut impl Rng,
 ) -> Option<Right> {
     let frame_m = dataset.robot.frame_size_m()?;
+    let label = dataset.measurements.labels[place.row];
     let measured = &mut dataset.measurements.tracked_position_m;
     let axes: Vec<usize> = (0..3)
         .filter(|axis| {
@@ -403,7 +404,7 @@ fn measure(
         Fault::InstrumentOutlier => {
             let is_wrong = |at, k| at == row && k == axis;
             change(&|at, k, value| value + if is_wrong(at, k) { 3.0 * by_m } else { 0.0 });
-            cause("tracker_outlier")
+            Some(Right::WrongReading("tracker_outlier", label))
         }
         _ => None,
     }
