@@ -44,426 +44,122 @@ pub(super) enum Port {
     Platform(PlatformPort),
 }
 
-const fn of_cable(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    value: fn(&CableContext) -> f64,
-) -> FormulaQuantity {
-    FormulaQuantity {
-        name,
-        unit,
-        meaning,
-        source: Source::Cable(value),
-        is_of_motion: false,
-    }
+/// A table of quantities: name, unit, value and definition.
+macro_rules! quantities {
+    ($($source:ident, is_of_motion: $is_of_motion:literal {
+        $($name:literal, $unit:literal, $value:expr, $meaning:literal;)*
+    })*) => {
+        &[$($(FormulaQuantity {
+            name: $name,
+            unit: $unit,
+            meaning: $meaning,
+            source: Source::$source($value),
+            is_of_motion: $is_of_motion,
+        },)*)*]
+    };
 }
 
-const fn of_pose(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    value: fn(&PlatformContext) -> f64,
-) -> FormulaQuantity {
-    FormulaQuantity {
-        name,
-        unit,
-        meaning,
-        source: Source::Pose(value),
-        is_of_motion: false,
-    }
-}
-
-const fn in_motion(quantity: FormulaQuantity) -> FormulaQuantity {
-    FormulaQuantity {
-        is_of_motion: true,
-        ..quantity
-    }
+/// A table of targets: name, unit, port and definition.
+macro_rules! targets {
+    ($($owner:ident, $ports:ident {
+        $($name:literal, $unit:literal, $port:ident $(($axis:literal))?, $meaning:literal;)*
+    })*) => {
+        &[$($(FormulaTarget {
+            name: $name,
+            unit: $unit,
+            meaning: $meaning,
+            port: Port::$owner($ports::$port $(($axis))?),
+        },)*)*]
+    };
 }
 
 /// All quantities that formulas may use; those of a cable also of another one, as `paid_of(next)`.
-pub const FORMULA_QUANTITIES: &[FormulaQuantity] = &[
-    of_cable(
-        "paid",
-        "m",
-        "cable paid out since home, or its length where lengths are read",
-        |at| at.paid_m,
-    ),
-    of_cable(
-        "tension",
-        "N",
-        "tension; the mean where it was not read",
-        |at| at.tension_n,
-    ),
-    of_cable("mean_tension", "N", "mean tension over all poses", |at| {
-        at.mean_tension_n
-    }),
-    of_cable(
-        "sensor_gain",
-        "1",
-        "reading of the force sensor per tension; 0 where it is not read",
-        |at| at.tension_gain,
-    ),
-    of_cable("revolutions", "rev", "motor revolutions since home", |at| {
-        at.revolutions
-    }),
-    of_cable(
-        "drum_revolutions",
-        "rev",
-        "drum revolutions since home",
-        |at| at.revolutions * at.drum_per_motor,
-    ),
-    of_cable(
-        "direction",
-        "1",
-        "1 where the cable was paid out on the way to the pose, -1 where it was reeled in",
-        |at| at.direction,
-    ),
-    of_cable("length", "m", "length from pulley to platform", |at| {
-        at.length_m
-    }),
-    of_cable("wrap", "rad", "wrap angle on the pulley", |at| at.wrap_rad),
-    of_cable(
-        "swivel",
-        "rad",
-        "swivel angle of the pulley; 0 without a stated zero direction",
-        |at| at.swivel_rad,
-    ),
-    of_cable("pulley_radius", "m", "stated radius of the pulley", |at| {
-        at.radius_m
-    }),
-    of_cable("entry_x", "m", "nominal entry point, base frame", |at| {
-        at.entry_point_m[0]
-    }),
-    of_cable("entry_y", "m", "nominal entry point, base frame", |at| {
-        at.entry_point_m[1]
-    }),
-    of_cable("entry_z", "m", "nominal entry point, base frame", |at| {
-        at.entry_point_m[2]
-    }),
-    of_cable(
-        "pull_x",
-        "1",
-        "horizontal part of the unit vector from the pulley to the platform",
-        |at| at.pull_horizontal[0],
-    ),
-    of_cable(
-        "pull_y",
-        "1",
-        "horizontal part of the unit vector from the pulley to the platform",
-        |at| at.pull_horizontal[1],
-    ),
-    of_cable(
-        "pull_z",
-        "1",
-        "horizontal part of the unit vector from the pulley to the platform",
-        |at| at.pull_horizontal[2],
-    ),
-    in_motion(of_cable(
-        "paid_rate",
-        "m/s",
-        "speed at which the cable is paid out",
-        |at| at.paid_rates[0],
-    )),
-    in_motion(of_cable(
-        "paid_acceleration",
-        "m/s^2",
-        "acceleration of the cable paid out",
-        |at| at.paid_rates[1],
-    )),
-    in_motion(of_cable(
-        "tension_rate",
-        "N/s",
-        "time derivative of the tension",
-        |at| at.tension_rates[0],
-    )),
-    of_pose(
-        "time",
-        "s",
-        "time since home, or since the first pose",
-        |at| at.time_s,
-    ),
-    of_pose(
-        "temperature",
-        "K",
-        "change of temperature since home, or since the first pose",
-        |at| at.temperature_change_k,
-    ),
-    of_pose("at_home", "1", "1 at the home pose, else 0", |at| {
-        f64::from(u8::from(at.is_home))
-    }),
-    of_pose("position_x", "m", "position of the platform", |at| {
-        at.position_m[0]
-    }),
-    of_pose("position_y", "m", "position of the platform", |at| {
-        at.position_m[1]
-    }),
-    of_pose("position_z", "m", "position of the platform", |at| {
-        at.position_m[2]
-    }),
-    of_pose(
-        "rotation_x",
-        "rad",
-        "rotation vector of the platform, base frame",
-        |at| at.rotation_rad[0],
-    ),
-    of_pose(
-        "rotation_y",
-        "rad",
-        "rotation vector of the platform, base frame",
-        |at| at.rotation_rad[1],
-    ),
-    of_pose(
-        "rotation_z",
-        "rad",
-        "rotation vector of the platform, base frame",
-        |at| at.rotation_rad[2],
-    ),
-    of_pose("laser", "m", "laser reading; 0 without one", |at| {
-        at.laser_m
-    }),
-    of_pose("roll", "rad", "roll reading of the inclinometer", |at| {
-        at.inclination_rad[0]
-    }),
-    of_pose("pitch", "rad", "pitch reading of the inclinometer", |at| {
-        at.inclination_rad[1]
-    }),
-    of_pose("yaw", "rad", "yaw reading of the attitude sensor", |at| {
-        at.inclination_rad[2]
-    }),
-    of_pose(
-        "tracked_x",
-        "m",
-        "position read by the external instrument; 0 where not read",
-        |at| at.tracked_m[0],
-    ),
-    of_pose(
-        "tracked_y",
-        "m",
-        "position read by the external instrument; 0 where not read",
-        |at| at.tracked_m[1],
-    ),
-    of_pose(
-        "tracked_z",
-        "m",
-        "position read by the external instrument; 0 where not read",
-        |at| at.tracked_m[2],
-    ),
-    in_motion(of_pose(
-        "velocity_x",
-        "m/s",
-        "velocity of the platform",
-        |at| at.twists[0][0],
-    )),
-    in_motion(of_pose(
-        "velocity_y",
-        "m/s",
-        "velocity of the platform",
-        |at| at.twists[0][1],
-    )),
-    in_motion(of_pose(
-        "velocity_z",
-        "m/s",
-        "velocity of the platform",
-        |at| at.twists[0][2],
-    )),
-    in_motion(of_pose(
-        "laser_rate",
-        "m/s",
-        "time derivative of the laser reading",
-        |at| at.laser_rates[0],
-    )),
-];
-
-const fn cable_target(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    port: CablePort,
-) -> FormulaTarget {
-    FormulaTarget {
-        name,
-        unit,
-        meaning,
-        port: Port::Cable(port),
+pub const FORMULA_QUANTITIES: &[FormulaQuantity] = quantities! {
+    Cable, is_of_motion: false {
+        "paid", "m", |at| at.paid_m, "cable paid out since home, or its length where lengths are read";
+        "tension", "N", |at| at.tension_n, "tension; the mean where it was not read";
+        "mean_tension", "N", |at| at.mean_tension_n, "mean tension over all poses";
+        "sensor_gain", "1", |at| at.tension_gain, "reading of the force sensor per tension; 0 where it is not read";
+        "revolutions", "rev", |at| at.revolutions, "motor revolutions since home";
+        "drum_revolutions", "rev", |at| at.revolutions * at.drum_per_motor, "drum revolutions since home";
+        "direction", "1", |at| at.direction, "1 where the cable was paid out on the way to the pose, -1 where it was reeled in";
+        "length", "m", |at| at.length_m, "length from pulley to platform";
+        "wrap", "rad", |at| at.wrap_rad, "wrap angle on the pulley";
+        "swivel", "rad", |at| at.swivel_rad, "swivel angle of the pulley; 0 without a stated zero direction";
+        "pulley_radius", "m", |at| at.radius_m, "stated radius of the pulley";
+        "entry_x", "m", |at| at.entry_point_m[0], "nominal entry point, base frame";
+        "entry_y", "m", |at| at.entry_point_m[1], "nominal entry point, base frame";
+        "entry_z", "m", |at| at.entry_point_m[2], "nominal entry point, base frame";
+        "pull_x", "1", |at| at.pull_horizontal[0], "horizontal part of the unit vector from the pulley to the platform";
+        "pull_y", "1", |at| at.pull_horizontal[1], "horizontal part of the unit vector from the pulley to the platform";
+        "pull_z", "1", |at| at.pull_horizontal[2], "horizontal part of the unit vector from the pulley to the platform";
     }
-}
-
-const fn platform_target(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    port: PlatformPort,
-) -> FormulaTarget {
-    FormulaTarget {
-        name,
-        unit,
-        meaning,
-        port: Port::Platform(port),
+    Cable, is_of_motion: true {
+        "paid_rate", "m/s", |at| at.paid_rates[0], "speed at which the cable is paid out";
+        "paid_acceleration", "m/s^2", |at| at.paid_rates[1], "acceleration of the cable paid out";
+        "tension_rate", "N/s", |at| at.tension_rates[0], "time derivative of the tension";
     }
-}
+    Pose, is_of_motion: false {
+        "time", "s", |at| at.time_s, "time since home, or since the first pose";
+        "temperature", "K", |at| at.temperature_change_k, "change of temperature since home, or since the first pose";
+        "at_home", "1", |at| f64::from(u8::from(at.is_home)), "1 at the home pose, else 0";
+        "position_x", "m", |at| at.position_m[0], "position of the platform";
+        "position_y", "m", |at| at.position_m[1], "position of the platform";
+        "position_z", "m", |at| at.position_m[2], "position of the platform";
+        "rotation_x", "rad", |at| at.rotation_rad[0], "rotation vector of the platform, base frame";
+        "rotation_y", "rad", |at| at.rotation_rad[1], "rotation vector of the platform, base frame";
+        "rotation_z", "rad", |at| at.rotation_rad[2], "rotation vector of the platform, base frame";
+        "laser", "m", |at| at.laser_m, "laser reading; 0 without one";
+        "roll", "rad", |at| at.inclination_rad[0], "roll reading of the inclinometer";
+        "pitch", "rad", |at| at.inclination_rad[1], "pitch reading of the inclinometer";
+        "yaw", "rad", |at| at.inclination_rad[2], "yaw reading of the attitude sensor";
+        "tracked_x", "m", |at| at.tracked_m[0], "position read by the external instrument; 0 where not read";
+        "tracked_y", "m", |at| at.tracked_m[1], "position read by the external instrument; 0 where not read";
+        "tracked_z", "m", |at| at.tracked_m[2], "position read by the external instrument; 0 where not read";
+    }
+    Pose, is_of_motion: true {
+        "velocity_x", "m/s", |at| at.twists[0][0], "velocity of the platform";
+        "velocity_y", "m/s", |at| at.twists[0][1], "velocity of the platform";
+        "velocity_z", "m/s", |at| at.twists[0][2], "velocity of the platform";
+        "laser_rate", "m/s", |at| at.laser_rates[0], "time derivative of the laser reading";
+    }
+};
 
 /// All quantities that formulas may change. Directions are not among them: their components are not independent.
-pub const FORMULA_TARGETS: &[FormulaTarget] = &[
-    cable_target(
-        "paid",
-        "m",
-        "cable paid out since home according to the reading, or the length where lengths are read",
-        CablePort::Paid,
-    ),
-    cable_target(
-        "tension",
-        "N",
-        "tension at the platform according to the reading",
-        CablePort::Tension,
-    ),
-    cable_target(
-        "strain",
-        "1",
-        "extra strain of the cable",
-        CablePort::Strain,
-    ),
-    cable_target(
-        "compliance",
-        "1/N",
-        "reciprocal axial stiffness",
-        CablePort::Compliance,
-    ),
-    cable_target(
-        "weight",
-        "N/m",
-        "weight of the cable per metre",
-        CablePort::Weight,
-    ),
-    cable_target("radius", "m", "pulley radius", CablePort::Radius),
-    cable_target(
-        "entry_shift_x",
-        "m",
-        "added to the entry point, base frame",
-        CablePort::EntryShift(0),
-    ),
-    cable_target(
-        "entry_shift_y",
-        "m",
-        "added to the entry point, base frame",
-        CablePort::EntryShift(1),
-    ),
-    cable_target(
-        "entry_shift_z",
-        "m",
-        "added to the entry point, base frame",
-        CablePort::EntryShift(2),
-    ),
-    cable_target(
-        "anchor_x",
-        "m",
-        "attachment point, platform frame",
-        CablePort::Anchor(0),
-    ),
-    cable_target(
-        "anchor_y",
-        "m",
-        "attachment point, platform frame",
-        CablePort::Anchor(1),
-    ),
-    cable_target(
-        "anchor_z",
-        "m",
-        "attachment point, platform frame",
-        CablePort::Anchor(2),
-    ),
-    cable_target(
-        "swivel_offset",
-        "rad",
-        "added to the swivel angle",
-        CablePort::SwivelOffset,
-    ),
-    platform_target("mass", "kg", "mass of the platform", PlatformPort::Mass),
-    platform_target(
-        "center_of_mass_x",
-        "m",
-        "centre of mass, platform frame",
-        PlatformPort::CenterOfMass(0),
-    ),
-    platform_target(
-        "center_of_mass_y",
-        "m",
-        "centre of mass, platform frame",
-        PlatformPort::CenterOfMass(1),
-    ),
-    platform_target(
-        "center_of_mass_z",
-        "m",
-        "centre of mass, platform frame",
-        PlatformPort::CenterOfMass(2),
-    ),
-    platform_target(
-        "laser_gain",
-        "1",
-        "laser reading per distance",
-        PlatformPort::LaserGain,
-    ),
-    platform_target(
-        "laser_bias",
-        "m",
-        "added to the laser reading",
-        PlatformPort::LaserBias,
-    ),
-    platform_target(
-        "roll_offset",
-        "rad",
-        "added to the roll reading",
-        PlatformPort::InclinationOffset(0),
-    ),
-    platform_target(
-        "pitch_offset",
-        "rad",
-        "added to the pitch reading",
-        PlatformPort::InclinationOffset(1),
-    ),
-    platform_target(
-        "yaw_offset",
-        "rad",
-        "added to the yaw reading",
-        PlatformPort::InclinationOffset(2),
-    ),
-    platform_target(
-        "tracker_point_x",
-        "m",
-        "point that the external instrument measures, platform frame",
-        PlatformPort::TrackerPoint(0),
-    ),
-    platform_target(
-        "tracker_point_y",
-        "m",
-        "point that the external instrument measures, platform frame",
-        PlatformPort::TrackerPoint(1),
-    ),
-    platform_target(
-        "tracker_point_z",
-        "m",
-        "point that the external instrument measures, platform frame",
-        PlatformPort::TrackerPoint(2),
-    ),
-    platform_target(
-        "tracker_shift_x",
-        "m",
-        "added to the position read by the external instrument",
-        PlatformPort::TrackerShift(0),
-    ),
-    platform_target(
-        "tracker_shift_y",
-        "m",
-        "added to the position read by the external instrument",
-        PlatformPort::TrackerShift(1),
-    ),
-    platform_target(
-        "tracker_shift_z",
-        "m",
-        "added to the position read by the external instrument",
-        PlatformPort::TrackerShift(2),
-    ),
-];
+pub const FORMULA_TARGETS: &[FormulaTarget] = targets! {
+    Cable, CablePort {
+        "paid", "m", Paid, "cable paid out since home according to the reading, or the length where lengths are read";
+        "tension", "N", Tension, "tension at the platform according to the reading";
+        "strain", "1", Strain, "extra strain of the cable";
+        "compliance", "1/N", Compliance, "reciprocal axial stiffness";
+        "weight", "N/m", Weight, "weight of the cable per metre";
+        "radius", "m", Radius, "pulley radius";
+        "entry_shift_x", "m", EntryShift(0), "added to the entry point, base frame";
+        "entry_shift_y", "m", EntryShift(1), "added to the entry point, base frame";
+        "entry_shift_z", "m", EntryShift(2), "added to the entry point, base frame";
+        "anchor_x", "m", Anchor(0), "attachment point, platform frame";
+        "anchor_y", "m", Anchor(1), "attachment point, platform frame";
+        "anchor_z", "m", Anchor(2), "attachment point, platform frame";
+        "swivel_offset", "rad", SwivelOffset, "added to the swivel angle";
+    }
+    Platform, PlatformPort {
+        "mass", "kg", Mass, "mass of the platform";
+        "center_of_mass_x", "m", CenterOfMass(0), "centre of mass, platform frame";
+        "center_of_mass_y", "m", CenterOfMass(1), "centre of mass, platform frame";
+        "center_of_mass_z", "m", CenterOfMass(2), "centre of mass, platform frame";
+        "laser_gain", "1", LaserGain, "laser reading per distance";
+        "laser_bias", "m", LaserBias, "added to the laser reading";
+        "roll_offset", "rad", InclinationOffset(0), "added to the roll reading";
+        "pitch_offset", "rad", InclinationOffset(1), "added to the pitch reading";
+        "yaw_offset", "rad", InclinationOffset(2), "added to the yaw reading";
+        "tracker_point_x", "m", TrackerPoint(0), "point that the external instrument measures, platform frame";
+        "tracker_point_y", "m", TrackerPoint(1), "point that the external instrument measures, platform frame";
+        "tracker_point_z", "m", TrackerPoint(2), "point that the external instrument measures, platform frame";
+        "tracker_shift_x", "m", TrackerShift(0), "added to the position read by the external instrument";
+        "tracker_shift_y", "m", TrackerShift(1), "added to the position read by the external instrument";
+        "tracker_shift_z", "m", TrackerShift(2), "added to the position read by the external instrument";
+    }
+};
 
 /// The quantity with this name.
 pub(super) fn quantity(name: &str) -> Option<&'static FormulaQuantity> {

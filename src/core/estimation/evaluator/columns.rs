@@ -65,18 +65,7 @@ impl<T: Packet> ColumnStore<T> {
     /// Loads the ports of a cable for a batch.
     #[inline(always)]
     pub fn load_cable(&self, ports: &CablePorts<StoredColumn>, batch: usize) -> CablePorts<T> {
-        CablePorts {
-            paid: self.load(ports.paid, batch),
-            tension: self.load(ports.tension, batch),
-            strain: self.load(ports.strain, batch),
-            compliance: self.load(ports.compliance, batch),
-            weight: self.load(ports.weight, batch),
-            radius: self.load(ports.radius, batch),
-            entry_shift: self.load_three(&ports.entry_shift, batch),
-            axis: self.load_three(&ports.axis, batch),
-            anchor: self.load_three(&ports.anchor, batch),
-            swivel_offset: self.load(ports.swivel_offset, batch),
-        }
+        CablePorts::from_fn(|port| self.load(ports.get(port), batch))
     }
 
     /// Loads the ports of the platform for a batch.
@@ -86,19 +75,7 @@ impl<T: Packet> ColumnStore<T> {
         ports: &PlatformPorts<StoredColumn>,
         batch: usize,
     ) -> PlatformPorts<T> {
-        PlatformPorts {
-            mass: self.load(ports.mass, batch),
-            center_of_mass: self.load_three(&ports.center_of_mass, batch),
-            laser_gain: self.load(ports.laser_gain, batch),
-            laser_bias: self.load(ports.laser_bias, batch),
-            laser_direction: self.load_three(&ports.laser_direction, batch),
-            target_normal: self.load_three(&ports.target_normal, batch),
-            inclination_offset: self.load_three(&ports.inclination_offset, batch),
-            tracker_delay: self.load(ports.tracker_delay, batch),
-            tracker_point: self.load_three(&ports.tracker_point, batch),
-            tracker_shift: self.load_three(&ports.tracker_shift, batch),
-            tracker_turn: self.load_three(&ports.tracker_turn, batch),
-        }
+        PlatformPorts::from_fn(|port| self.load(ports.get(port), batch))
     }
 
     /// Loads the first three of the given columns for a batch.

@@ -33,7 +33,7 @@ pub(super) trait Ports: Copy {
 
 impl Ports for CablePorts {
     type Port = CablePort;
-    const ALL: &'static [CablePort] = &CablePort::ALL;
+    const ALL: &'static [CablePort] = CablePort::ALL;
 
     fn port(&self, port: CablePort) -> Dual {
         self.get(port)
@@ -54,7 +54,7 @@ impl Ports for CablePorts {
 
 impl Ports for PlatformPorts {
     type Port = PlatformPort;
-    const ALL: &'static [PlatformPort] = &PlatformPort::ALL;
+    const ALL: &'static [PlatformPort] = PlatformPort::ALL;
 
     fn port(&self, port: PlatformPort) -> Dual {
         self.get(port)
