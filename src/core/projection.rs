@@ -27,13 +27,6 @@ use crate::simulation::{
 /// Length error that weighs as much as a parameter at the limit of its search (m).
 const LENGTH_SD_M: f64 = 1e-5;
 
-/// A sensor that reads tensions.
-const PERFECT_SENSOR: ForceSensor = ForceSensor {
-    tension_gain: 1.0,
-    bias_n: 0.0,
-    tension_sd_n: 1.0,
-};
-
 /// Lengths that a model predicts for its winches at poses of its workspace.
 #[derive(Debug, Clone)]
 pub struct ExpectedLengths {
@@ -95,7 +88,7 @@ impl ExpectedLengths {
             measurements: self.measurements.clone(),
         };
         for cable in &mut dataset.robot.cables {
-            cable.force_sensor = Some(PERFECT_SENSOR);
+            cable.force_sensor = Some(ForceSensor::OF_TENSION);
         }
         let problem = Problem::new(&dataset)?.with_method(Method::Simple);
         let known = BetterKnown {

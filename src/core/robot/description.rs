@@ -373,6 +373,13 @@ pub struct ForceSensor {
 }
 
 impl ForceSensor {
+    /// A sensor that reads tensions.
+    pub(crate) const OF_TENSION: Self = Self {
+        tension_gain: 1.0,
+        bias_n: 0.0,
+        tension_sd_n: 1.0,
+    };
+
     /// Tension (N) from a raw reading (N).
     #[must_use]
     pub fn tension_n(&self, reading_n: f64) -> f64 {

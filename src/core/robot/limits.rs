@@ -102,11 +102,12 @@ impl Robot {
         }
     }
 
-    /// Whether the tensions of the cables can be computed: the mass and either all force sensors or tension limits are given.
+    /// Whether the tensions of the cables can be computed: the mass is given, and either all force sensors or tension limits are, or
+    /// statics alone determine them.
     #[must_use]
     pub fn has_tensions(&self) -> bool {
         self.platform.mass_kg.is_some()
-            && (self.has_force_sensors() || self.limits.is_some_and(|l| l.tension.is_some()))
+            && (self.has_force_sensors() || self.unread_tension().is_some())
     }
 
     /// Whether the weight of the platform decides where it comes to rest: it has fewer cables than free coordinates.

@@ -4,6 +4,7 @@ use crate::effect::{BetterKnown, PoseContexts};
 use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_in};
 use crate::geometry::{Pose, Twist};
 use crate::measurement::{Dataset, Grid};
+use crate::robot::ForceSensor;
 
 /// Largest number of fixed-point steps that invert the models of winch, force sensor and laser.
 const MAX_STEPS: usize = 300;
@@ -22,6 +23,28 @@ pub(super) fn invert(
 
 /// [`invert`] with another largest number of steps.
 pub(super) fn invert_within(
+    most: usize,
+    exact: &mut Dataset,
+    (poses, tensions): (&[Pose], &Grid),
+    directions: &Grid,
+) -> Result<(), EstimationError> {
+    if !exact.measurements.force_n.is_empty() || !exact.robot.has_tensions() {
+        return invert_read(most, exact, (poses, tensions), directions);
+    }
+    // Tensions that no sensor of the robot reads stretch its cables all the same.
+    let sensors: Vec<_> = (exact.robot.cables.iter_mut())
+        .map(|cable| cable.force_sensor.replace(ForceSensor::OF_TENSION))
+        .collect();
+    exact.measurements.force_n = tensions.clone();
+    let inverted = invert_read(most, exact, (poses, tensions), directions);
+    exact.measurements.force_n = Grid::default();
+    for (cable, sensor) in exact.robot.cables.iter_mut().zip(sensors) {
+        cable.force_sensor = sensor;
+    }
+    inverted
+}
+
+fn invert_read(
     most: usize,
     exact: &mut Dataset,
     (poses, tensions): (&[Pose], &Grid),

@@ -226,3 +226,46 @@ fn the_latency_of_noisy_cameras_is_within_its_interval() {
         assert!(sd < 1e-3 && off.abs() < 4.0 * sd, "{name}: {off} {sd}");
     }
 }
+
+/// As many cables as free coordinates: statics alone determine the tensions, which no sensor and no limits state. They stretch the
+/// cables.
+#[test]
+fn the_weight_of_a_platform_is_in_its_cables() {
+    let mut robot = presets::find("planar").unwrap().robot;
+    robot.cables.drain(..2);
+    robot.platform.free.truncate(2);
+    robot.limits = None;
+    for cable in &mut robot.cables {
+        cable.platform_anchor_m = [0.0; 3];
+        cable.pulley.radius_m = 0.0;
+        cable.force_sensor = None;
+    }
+    robot.home = None;
+    let options = SimulationOptions {
+        noise: false,
+        ..SimulationOptions::new(10, 5)
+    };
+    let run = simulate(&robot, &options).unwrap();
+    let truth = &run.dataset.measurements.truth;
+    for (row, pose) in truth.poses.iter().enumerate() {
+        for (index, cable) in run.truth.cables.iter().enumerate() {
+            let entry = crate::geometry::Vec3::from(cable.pulley.entry_point_m);
+            let span_m = (entry - pose.position).norm();
+            let stiffness_n = cable.cable.axial_stiffness_n.unwrap();
+            let to_pulley_m = cable.winch.length_to_pulley_m;
+            let strain = truth.tension_n.get(row, index) / stiffness_n;
+            let expected_m = (to_pulley_m + span_m) / (1.0 + strain) - to_pulley_m;
+            let read_m = run.dataset.measurements.length_m.get(row, index);
+            assert!((read_m - expected_m).abs() < 1e-9, "{row}: {read_m}");
+        }
+        let pulls = run.truth.cables.iter().zip(truth.tension_n.row(row));
+        let up_n: f64 = pulls
+            .map(|(cable, tension_n)| {
+                let way = crate::geometry::Vec3::from(cable.pulley.entry_point_m) - pose.position;
+                tension_n * way.y / way.norm()
+            })
+            .sum();
+        let weight_n = 4.0 * 9.80665;
+        assert!((up_n - weight_n).abs() < 1e-6, "{row}: {up_n}");
+    }
+}

@@ -164,12 +164,12 @@ impl From<TensionLimits> for TensionRange {
 }
 
 impl TensionRange {
-    /// The range that the description states, else one derived from the weight of the platform, the force sensors and the
-    /// stiffness of the cables.
+    /// The range of [`Robot::unread_tension`], else one derived from the weight of the platform, the force sensors and the stiffness
+    /// of the cables.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
-        if let Some(stated) = robot.limits.and_then(|limits| limits.tension) {
-            return stated.into();
+        if let Some(limits) = robot.unread_tension() {
+            return limits.into();
         }
         let weight_n = robot.platform.mass_kg.unwrap_or(0.0) * robot.gravity().norm();
         let sensors = robot.cables.iter().filter_map(|c| c.force_sensor);
