@@ -26,6 +26,8 @@ use crate::simulation::{
 
 /// Length error that weighs as much as a parameter at the limit of its search (m).
 const LENGTH_SD_M: f64 = 1e-5;
+/// Change of a length (m) up to which it is rounding.
+const ROUNDING_M: f64 = 1e-9;
 
 /// Lengths that a model predicts for its winches at poses of its workspace.
 #[derive(Debug, Clone)]
@@ -118,7 +120,24 @@ impl ExpectedLengths {
         start: &[f64],
         ranges: &[f64],
     ) -> Vec<f64> {
-        let free: Vec<usize> = (0..start.len()).filter(|k| ranges[*k] > 0.0).collect();
+        let errors_at =
+            |values: &[f64]| target(values).and_then(|robot| self.length_errors_m(&robot).ok());
+        let at_start = errors_at(start);
+        // A parameter that changes no length would follow the rounding in its derivative.
+        let matters = |k: &usize| {
+            let mut moved = start.to_vec();
+            moved[*k] += ranges[*k];
+            match (&at_start, errors_at(&moved)) {
+                (Some(errors), Some(moved)) => {
+                    let mut changes = errors.iter().zip(&moved).map(|(a, b)| (a - b).abs());
+                    changes.any(|change| change > ROUNDING_M)
+                }
+                _ => true,
+            }
+        };
+        let free: Vec<usize> = (0..start.len())
+            .filter(|k| ranges[*k] > 0.0 && matters(k))
+            .collect();
         if free.is_empty() {
             return start.to_vec();
         }
@@ -132,8 +151,7 @@ impl ExpectedLengths {
         let lengths = self.poses.len() * self.tensions_n.columns();
         let predict = |steps: &[f64], out: &mut [f64]| {
             out.fill(f64::NAN);
-            let errors = target(&parameters(steps)).map(|robot| self.length_errors_m(&robot));
-            if let Some(Ok(errors)) = errors {
+            if let Some(errors) = errors_at(&parameters(steps)) {
                 let weighted = errors.iter().map(|error| error / LENGTH_SD_M);
                 let all: Vec<f64> = weighted.chain(steps.iter().copied()).collect();
                 out.copy_from_slice(&all);
