@@ -122,6 +122,7 @@ fn is_pose(pose: &Pose) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::Limits;
     use crate::testing::{limits, preset};
 
     #[test]
@@ -165,5 +166,19 @@ mod tests {
         let unknown = nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0);
         turned.orientation = nalgebra::UnitQuaternion::new_unchecked(unknown);
         assert!(limits.check_pose(&turned).is_err());
+    }
+
+    /// Two cables that hold a platform of 39 N in a plane, without stated limits.
+    #[test]
+    fn statics_that_decide_the_tensions_do_not_widen_the_limits_of_readings() {
+        let mut robot = preset("planar").robot;
+        robot.cables.drain(..2);
+        robot.platform.free.truncate(2);
+        robot.limits = None;
+        assert!(Limits::of(&robot).tension.upper_n <= 200.0);
+        for cable in &mut robot.cables {
+            cable.force_sensor = None;
+        }
+        assert!(Limits::of(&robot).tension.upper_n > 390.0);
     }
 }

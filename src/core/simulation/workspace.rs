@@ -164,11 +164,14 @@ impl From<TensionLimits> for TensionRange {
 }
 
 impl TensionRange {
-    /// The range of [`Robot::unread_tension`], else one derived from the weight of the platform, the force sensors and the stiffness
-    /// of the cables.
+    /// The range that the description states, else that of [`Robot::unread_tension`] if no sensor reads the tensions, else one
+    /// derived from the weight of the platform, the force sensors and the stiffness of the cables.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
-        if let Some(limits) = robot.unread_tension() {
+        let stated = robot.limits.and_then(|limits| limits.tension);
+        // Readings are held to narrower limits than those in which statics alone decide.
+        let is_unread = !robot.has_force_sensors();
+        if let Some(limits) = stated.or_else(|| robot.unread_tension().filter(|_| is_unread)) {
             return limits.into();
         }
         let weight_n = robot.platform.mass_kg.unwrap_or(0.0) * robot.gravity().norm();

@@ -302,10 +302,8 @@ pub fn actions(
     if cause.effect().search() == Search::Exchange {
         back_to_import(ui, panel);
     }
-    let (is_damage, once) = (
-        cause.effect().is_damage(),
-        "Happened once: explains these readings only.",
-    );
+    let is_damage = cause.effect().is_damage();
+    let once = "Happened once: explains these readings only.";
     if is_damage && !cause.effect().is_wrong_reading() {
         let when = "Damage: repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, name, when);
